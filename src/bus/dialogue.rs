@@ -1,0 +1,239 @@
+//! A conversation with the modules of one line, in whichever protocol each of them speaks.
+
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+use tokio::runtime::Runtime;
+
+use super::codec;
+use super::judge::Expected;
+use super::line::LineLost;
+use super::message::{RawRequest, Statistics};
+use super::problem::{LineProblem, ProblemKind};
+use super::serial::SerialLine;
+use super::tap::Tap;
+use super::target::{LineAddress, Patience, Target};
+use super::tcp::TcpLink;
+use super::transaction::Wire;
+use crate::module::Ask;
+use crate::protocol::{AnswerFrom, Failure, LineSettings, Protocol, Query, Reply, dcon, modbus};
+
+/// An open line.
+pub struct Dialogue {
+    link: Link,
+    runtime: Runtime,
+    counts: Statistics,
+}
+
+enum Link {
+    Wire(Box<Wire>),
+    Tcp(Box<TcpLink>),
+}
+
+impl Dialogue {
+    pub fn open(address: &LineAddress, settings: LineSettings, tap: Tap) -> Result<Self, LineProblem> {
+        let other = |reason: String| LineProblem { line: address.to_string(), kind: ProblemKind::Other(reason) };
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.map_err(|error| other(error.to_string()))?;
+        let wire = |line, tap| match Wire::new(line, settings, tap) {
+            Ok(wire) => Ok(Link::Wire(Box::new(wire))),
+            Err(LineLost { reason }) => Err(other(reason)),
+        };
+        let link = match address {
+            LineAddress::Serial { port } => wire(Box::new(SerialLine::open(port, settings)?), tap)?,
+            LineAddress::Simulated { sim, .. } => wire(Box::new(sim.line()), tap)?,
+            LineAddress::Tcp { host, port } => {
+                let link = TcpLink::connect(&runtime, host, *port, tap);
+                let not_reached = |reason| LineProblem { line: address.to_string(), kind: ProblemKind::NotReached(reason) };
+                Link::Tcp(Box::new(link.map_err(not_reached)?))
+            }
+        };
+        Ok(Self { link, runtime, counts: Statistics::default() })
+    }
+
+    /// For someone who has a line already.
+    pub fn on_wire(wire: Wire) -> std::io::Result<Self> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        Ok(Self { link: Link::Wire(Box::new(wire)), runtime, counts: Statistics::default() })
+    }
+
+    /// UTC by the line's clock.
+    pub fn timestamp(&self) -> Timestamp {
+        match &self.link {
+            Link::Wire(wire) => wire.timestamp(),
+            Link::Tcp(link) => link.timestamp(),
+        }
+    }
+
+    /// The line's clock.
+    pub fn now(&self) -> Instant {
+        match &self.link {
+            Link::Wire(wire) => wire.now(),
+            Link::Tcp(_) => Instant::now(),
+        }
+    }
+
+    /// Counts since the line was opened; rates are left to whoever measures time.
+    pub fn counts(&self) -> Statistics {
+        let mut counts = self.counts.clone();
+        match &self.link {
+            Link::Wire(wire) => {
+                counts.answer_time = wire.answer_time();
+                counts.echo = wire.echoes();
+            }
+            Link::Tcp(link) => counts.answer_time = link.answer_time(),
+        }
+        counts
+    }
+
+    /// Someone to ask questions of one module.
+    pub fn with(&mut self, target: Target, patience: Patience) -> Speaker<'_> {
+        Speaker { dialogue: self, target, patience, counted: true, changed_settings: false }
+    }
+
+    /// Speed and format for what follows. True if they were others before.
+    pub fn configure(&mut self, settings: LineSettings) -> Result<bool, Failure> {
+        match &mut self.link {
+            Link::Wire(wire) => Ok(wire.configure(settings)?),
+            Link::Tcp(_) => Ok(false),
+        }
+    }
+
+    /// Sends bytes once and returns the verified answer; empty where nobody answers.
+    pub fn raw(&mut self, request: &RawRequest, window: Duration) -> Result<Vec<u8>, Failure> {
+        let Link::Wire(wire) = &mut self.link else {
+            return Err(Failure::NotOffered("raw frames are for serial lines".to_owned()));
+        };
+        let (frame, expected) = match request {
+            RawRequest::Dcon { text, checksum } => {
+                let from = if text.contains("**") { AnswerFrom::Nobody } else { AnswerFrom::Anyone };
+                (dcon::encode(text, *checksum), dcon_expected(*checksum, &from))
+            }
+            RawRequest::ModbusRtu { bytes } => {
+                let address = bytes.first().copied().unwrap_or_default();
+                let expected = if address == 0 { Expected::Nothing } else { Expected::Rtu { address } };
+                (modbus::with_crc(bytes), expected)
+            }
+        };
+        let outcome = wire.exchange(&frame, &expected, window);
+        self.count(outcome.as_ref().err());
+        outcome
+    }
+
+    /// One exchange, no repetition.
+    fn once(&mut self, target: &Target, query: &Query, window: Duration) -> Result<Reply, Failure> {
+        match (&mut self.link, target.protocol) {
+            (Link::Tcp(link), _) => link.ask(&self.runtime, target.address, query, window),
+            (Link::Wire(_), Protocol::ModbusTcp) => {
+                Err(Failure::NotOffered("Modbus TCP needs a network line".to_owned()))
+            }
+            (Link::Wire(wire), Protocol::Dcon) => ask_dcon(wire, target.checksum, query, window),
+            (Link::Wire(wire), Protocol::ModbusRtu) => {
+                let expected = Expected::Rtu { address: target.address };
+                codec::transact(&self.runtime, target.address, query, &mut |frame| {
+                    wire.exchange(frame, &expected, window)
+                })
+            }
+        }
+    }
+
+    fn count(&mut self, failure: Option<&Failure>) {
+        self.counts.transactions = self.counts.transactions.saturating_add(1);
+        let Some(failure) = failure.filter(|failure| !failure.is_refusal()) else { return };
+        self.counts.errors = self.counts.errors.saturating_add(1);
+        let kind = match failure {
+            Failure::Silent => "no answer",
+            Failure::Cut { .. } => "cut short",
+            Failure::Collision { .. } => "collision",
+            Failure::UnknownShape { .. } => "unknown shape",
+            Failure::LineLost(_) => "line lost",
+            _ => "garbled",
+        };
+        let count = self.counts.kinds.entry(kind).or_default();
+        *count = count.saturating_add(1);
+    }
+}
+
+fn dcon_expected(checksum: bool, from: &AnswerFrom) -> Expected {
+    match from {
+        AnswerFrom::Nobody => Expected::Nothing,
+        from => Expected::Dcon { checksum, from: from.clone() },
+    }
+}
+
+fn ask_dcon(wire: &mut Wire, checksum: bool, query: &Query, window: Duration) -> Result<Reply, Failure> {
+    let Query::Dcon { text, from, .. } = query else {
+        return Err(Failure::NotOffered("this is not offered over DCON".to_owned()));
+    };
+    let answer = wire.exchange(&dcon::encode(text, checksum), &dcon_expected(checksum, from), window)?;
+    if *from == AnswerFrom::Nobody {
+        return Ok(Reply::Done);
+    }
+    match dcon::decode(&answer, checksum) {
+        Ok(dcon::Answer::Refused { text }) => Err(Failure::Refused { answer: format!("?{text}") }),
+        Ok(dcon::Answer::Ignored) => Err(Failure::Ignored),
+        Ok(answer) => Ok(Reply::Text(answer.to_text())),
+        Err(error) => Err(Failure::Garbled { reason: error.to_string(), bytes: answer }),
+    }
+}
+
+/// Asks questions of one module.
+pub struct Speaker<'a> {
+    dialogue: &'a mut Dialogue,
+    target: Target,
+    patience: Patience,
+    counted: bool,
+    changed_settings: bool,
+}
+
+impl Speaker<'_> {
+    /// Leaves failures out of the error statistics: a scan expects silence.
+    pub fn uncounted(mut self) -> Self {
+        self.counted = false;
+        self
+    }
+
+    fn repeats(&self, query: &Query, failure: &Failure, silences: u8, garbage: u8) -> bool {
+        if query.is_write() {
+            return false;
+        }
+        match failure {
+            // The first exchange after a change of speed is sometimes lost.
+            Failure::Silent => silences < self.patience.after_silence.saturating_add(u8::from(self.changed_settings)),
+            failure if failure.is_garbage() => garbage < self.patience.after_garbage,
+            _ => false,
+        }
+    }
+}
+
+impl Ask for Speaker<'_> {
+    fn follow(&mut self, address: u8) {
+        self.target.address = address;
+    }
+
+    fn ask(&mut self, query: &Query) -> Result<Reply, Failure> {
+        if self.target.protocol != Protocol::ModbusTcp {
+            self.changed_settings |= self.dialogue.configure(self.target.settings)?;
+        }
+        let (mut silences, mut garbage) = (0u8, 0u8);
+        let window = if query.is_write() { Patience::WRITE_WINDOW } else { self.patience.window };
+        loop {
+            let outcome = self.dialogue.once(&self.target, query, window);
+            if self.counted {
+                self.dialogue.count(outcome.as_ref().err());
+            }
+            let Err(failure) = &outcome else {
+                self.changed_settings = false;
+                return outcome;
+            };
+            if !self.repeats(query, failure, silences, garbage) {
+                self.changed_settings = false;
+                return outcome;
+            }
+            match failure {
+                Failure::Silent => silences = silences.saturating_add(1),
+                _ => garbage = garbage.saturating_add(1),
+            }
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Decides what bytes that came back on a request are: the answer, an echo, noise, or not enough yet. Pure.
+
+use crate::protocol::modbus::{self, AnswerLength};
+use crate::protocol::{AnswerFrom, Failure, dcon};
+
+/// What may come back.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Expected {
+    Dcon { checksum: bool, from: AnswerFrom },
+    Rtu { address: u8 },
+    /// A broadcast: nobody answers.
+    Nothing,
+}
+
+impl Expected {
+    /// The module asked by `request`, where the request tells.
+    pub fn address(&self, request: &[u8]) -> Option<u8> {
+        match self {
+            Self::Rtu { .. } => request.first().copied(),
+            _ => self.next_address(),
+        }
+    }
+
+    /// The module that is asked, if there is only one.
+    pub fn next_address(&self) -> Option<u8> {
+        match self {
+            Self::Rtu { address } => Some(*address),
+            Self::Dcon { from: AnswerFrom::Addresses(addresses), .. } => addresses.first().copied(),
+            _ => None,
+        }
+    }
+}
+
+/// What the bytes are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// The whole, verified answer.
+    Answer { bytes: Vec<u8>, echo: bool, noise: bool },
+    /// Only an echo or stray bytes so far: the answer has not begun.
+    NothingYet,
+    /// It has begun; more has to come.
+    More,
+    /// It will not become an answer any more.
+    Failed { failure: Failure, echo: bool },
+}
+
+/// Judges what has arrived while more may still come.
+pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool) -> Verdict {
+    let (rest, echo) = without_echo(request, expected, received, echoes);
+    if rest.is_empty() {
+        return Verdict::NothingYet;
+    }
+    // A prefix of the request is an echo in the making; nothing else can be said yet.
+    if !echo && rest.len() < request.len() && request.starts_with(rest) {
+        return Verdict::NothingYet;
+    }
+    let found = match expected {
+        Expected::Dcon { checksum, from } => find_dcon(rest, *checksum, from),
+        Expected::Rtu { .. } => find_rtu(request, rest),
+        Expected::Nothing => None,
+    };
+    match found {
+        Some(bytes) => {
+            let terminator = usize::from(matches!(expected, Expected::Dcon { .. }));
+            let noise = bytes.len().saturating_add(terminator) != trim_line_feed(rest).len();
+            Verdict::Answer { bytes, echo, noise }
+        }
+        None if rest.iter().all(|byte| is_noise(*byte)) => Verdict::NothingYet,
+        None => Verdict::More,
+    }
+}
+
+/// Judges what has arrived when nothing more came in time.
+pub fn after_silence(request: &[u8], expected: &Expected, received: &[u8], echoes: bool) -> Verdict {
+    let (rest, echo) = without_echo(request, expected, received, echoes);
+    let failed = |failure| Verdict::Failed { failure, echo };
+    if rest.is_empty() {
+        return failed(Failure::Silent);
+    }
+    let start = rest.iter().position(|byte| !is_noise(*byte)).unwrap_or(rest.len());
+    let meant = rest.get(start..).unwrap_or_default();
+    if meant.is_empty() {
+        let reason = "only stray bytes came back: line noise".to_owned();
+        return failed(Failure::Garbled { reason, bytes: rest.to_vec() });
+    }
+    if echoes && !echo {
+        return failed(Failure::Collision { bytes: rest.to_vec() });
+    }
+    match expected {
+        Expected::Rtu { .. } => after_silence_rtu(request, meant, echo),
+        Expected::Dcon { checksum, from } => failed(dcon_failure(meant, *checksum, from)),
+        Expected::Nothing => failed(Failure::Silent),
+    }
+}
+
+fn after_silence_rtu(request: &[u8], meant: &[u8], echo: bool) -> Verdict {
+    let checked = modbus::check_answer(request, meant);
+    match (modbus::answer_length(request, meant), checked) {
+        (AnswerLength::UntilSilence, Ok(())) => Verdict::Answer { bytes: meant.to_vec(), echo, noise: false },
+        (AnswerLength::Bytes(length), _) if meant.len() < length => {
+            Verdict::Failed { failure: Failure::Cut { bytes: meant.to_vec() }, echo }
+        }
+        (AnswerLength::NotYetKnown, _) => Verdict::Failed { failure: Failure::Cut { bytes: meant.to_vec() }, echo },
+        (_, checked) => {
+            let reason = checked.err().map_or_else(|| "unexpected bytes".to_owned(), |error| error.to_string());
+            Verdict::Failed { failure: Failure::Garbled { reason, bytes: meant.to_vec() }, echo }
+        }
+    }
+}
+
+fn dcon_failure(meant: &[u8], checksum: bool, from: &AnswerFrom) -> Failure {
+    let bytes = meant.to_vec();
+    let Some(range) = dcon::find_answer(meant) else {
+        let begun = meant.first().is_some_and(|byte| dcon::ANSWER_DELIMITERS.contains(byte));
+        let reason = "no DCON answer is in it".to_owned();
+        return if begun { Failure::Cut { bytes } } else { Failure::Garbled { reason, bytes } };
+    };
+    let reason = match dcon::decode(meant.get(range).unwrap_or_default(), checksum) {
+        Err(error) => error.to_string(),
+        Ok(answer) => match from {
+            AnswerFrom::Addresses(addresses) => {
+                let asked: Vec<_> = addresses.iter().map(|address| format!("{address:02X}h")).collect();
+                format!("{} does not come from address {}", answer.to_text(), asked.join(" or "))
+            }
+            _ => "unexpected bytes".to_owned(),
+        },
+    };
+    Failure::Garbled { reason, bytes }
+}
+
+/// Takes off the echo of the request, if there is one.
+///
+/// The answer to a Modbus write of one value equals its request, so there an echo is taken off only on a line that was
+/// seen to echo before. Every write follows reads of the same module, which show it.
+fn without_echo<'a>(request: &[u8], expected: &Expected, received: &'a [u8], echoes: bool) -> (&'a [u8], bool) {
+    let answer_equals_request = matches!(expected, Expected::Rtu { .. }) && matches!(request.get(1), Some(0x05 | 0x06));
+    match received.strip_prefix(request) {
+        Some(rest) if echoes || !answer_equals_request => (rest, true),
+        _ => (received, false),
+    }
+}
+
+fn find_rtu(request: &[u8], rest: &[u8]) -> Option<Vec<u8>> {
+    (0..rest.len()).find_map(|start| {
+        let candidate = rest.get(start..)?;
+        let AnswerLength::Bytes(length) = modbus::answer_length(request, candidate) else { return None };
+        let answer = candidate.get(..length)?;
+        modbus::check_answer(request, answer).is_ok().then(|| answer.to_vec())
+    })
+}
+
+fn find_dcon(rest: &[u8], checksum: bool, from: &AnswerFrom) -> Option<Vec<u8>> {
+    let mut rest = rest;
+    loop {
+        let range = dcon::find_answer(rest)?;
+        let frame = rest.get(range.clone())?;
+        if dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from)) {
+            return Some(frame.to_vec());
+        }
+        rest = rest.get(range.end.saturating_add(1)..)?;
+    }
+}
+
+fn is_from(answer: &dcon::Answer, from: &AnswerFrom) -> bool {
+    let text = match answer {
+        dcon::Answer::Ignored => return true,
+        dcon::Answer::Valid { text, .. } | dcon::Answer::Refused { text } => text,
+    };
+    match (from, answer) {
+        (AnswerFrom::Addresses(addresses), _) => {
+            let sender = text.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+            sender.is_some_and(|sender| addresses.contains(&sender))
+        }
+        _ => true,
+    }
+}
+
+/// Bytes that a line without bias or termination shows between frames.
+fn is_noise(byte: u8) -> bool {
+    matches!(byte, 0x00 | 0xFF | b'\n')
+}
+
+fn trim_line_feed(bytes: &[u8]) -> &[u8] {
+    bytes.strip_suffix(b"\n").unwrap_or(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const READ: &[u8] = &[1, 3, 1, 0xE0, 0, 1];
+
+    fn rtu() -> Expected {
+        Expected::Rtu { address: 1 }
+    }
+
+    fn dcon(checksum: bool) -> Expected {
+        Expected::Dcon { checksum, from: AnswerFrom::Addresses(vec![1]) }
+    }
+
+    fn answer_of(verdict: Verdict) -> Option<Vec<u8>> {
+        if let Verdict::Answer { bytes, .. } = verdict { Some(bytes) } else { None }
+    }
+
+    #[test]
+    fn an_echo_is_taken_off_and_remembered() {
+        let request = modbus::with_crc(READ);
+        let answer = modbus::with_crc(&[1, 3, 2, 0x0B, 0x28]);
+        let both = [request.clone(), answer.clone()].concat();
+        assert_eq!(so_far(&request, &rtu(), &request, false), Verdict::NothingYet);
+        assert_eq!(so_far(&request, &rtu(), &both, false), Verdict::Answer { bytes: answer, echo: true, noise: false });
+    }
+
+    #[test]
+    fn an_echo_alone_is_silence() {
+        let verdict = after_silence(b"$01M\r", &dcon(false), b"$01M\r", false);
+        assert_eq!(verdict, Verdict::Failed { failure: Failure::Silent, echo: true });
+    }
+
+    #[test]
+    fn the_answer_to_a_single_write_is_not_mistaken_for_an_echo() {
+        let request = modbus::with_crc(&[1, 6, 2, 0, 0, 10]);
+        assert_eq!(answer_of(so_far(&request, &rtu(), &request, false)), Some(request.clone()));
+        assert_eq!(so_far(&request, &rtu(), &request, true), Verdict::NothingYet);
+        assert_eq!(answer_of(so_far(&request, &rtu(), &request.repeat(2), true)), Some(request));
+    }
+
+    #[test]
+    fn stray_bytes_around_a_good_answer_are_dropped_and_told() {
+        let request = modbus::with_crc(READ);
+        let answer = modbus::with_crc(&[1, 3, 2, 0, 7]);
+        let noisy = [&[0x00, 0xFF][..], &answer, &[0xFF]].concat();
+        assert_eq!(so_far(&request, &rtu(), &noisy, false), Verdict::Answer { bytes: answer, echo: false, noise: true });
+    }
+
+    #[test]
+    fn an_answer_of_another_module_is_passed_over() {
+        let received = b"!02PIR130\r!01PIR234\r";
+        assert_eq!(answer_of(so_far(b"$01M\r", &dcon(false), received, false)), Some(b"!01PIR234".to_vec()));
+    }
+
+    #[test]
+    fn what_differs_from_the_request_on_an_echoing_line_is_a_collision() {
+        let verdict = after_silence(b"$01M\r", &dcon(false), b"$0qM\r", true);
+        assert!(matches!(verdict, Verdict::Failed { failure: Failure::Collision { .. }, .. }));
+    }
+
+    #[test]
+    fn an_answer_cut_short_is_told_apart_from_garbage() {
+        let request = modbus::with_crc(READ);
+        let cut = after_silence(&request, &rtu(), &[1, 3, 2, 0], false);
+        assert!(matches!(cut, Verdict::Failed { failure: Failure::Cut { .. }, .. }), "{cut:?}");
+        let garbage = after_silence(&request, &rtu(), &[0x81, 0x92, 0x33], false);
+        assert!(matches!(garbage, Verdict::Failed { failure: Failure::Garbled { .. }, .. }), "{garbage:?}");
+    }
+
+    #[test]
+    fn a_wrong_dcon_checksum_is_never_accepted() {
+        assert_eq!(so_far(b"$01MD2\r", &dcon(true), b"!01PIR2344C\r", false), Verdict::More);
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic_and_nothing_unverified_is_accepted(received: Vec<u8>, echoes: bool) {
+            let request = modbus::with_crc(READ);
+            for verdict in [so_far(&request, &rtu(), &received, echoes), after_silence(&request, &rtu(), &received, echoes)] {
+                if let Verdict::Answer { bytes, .. } = verdict {
+                    prop_assert_eq!(modbus::check_answer(&request, &bytes), Ok(()));
+                }
+            }
+            let _ = so_far(b"$01M\r", &dcon(true), &received, echoes);
+            let _ = after_silence(b"$01M\r", &dcon(false), &received, echoes);
+        }
+
+        #[test]
+        fn an_answer_is_found_however_its_bytes_are_split(cut in 0usize..9, noise in prop::collection::vec(prop_oneof![Just(0u8), Just(0xFF)], 0..4)) {
+            let request = modbus::with_crc(READ);
+            let answer = [noise, modbus::with_crc(&[1, 3, 2, 0x0B, 0x28])].concat();
+            let part = &answer[..cut.min(answer.len() - 1)];
+            prop_assert!(answer_of(so_far(&request, &rtu(), part, false)).is_none());
+            prop_assert!(answer_of(so_far(&request, &rtu(), &answer, false)).is_some());
+        }
+    }
+}

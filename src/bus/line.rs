@@ -1,0 +1,42 @@
+//! The wire as the transaction sees it: bytes out, bytes in, and the clock they are timed by.
+
+use std::time::Instant;
+
+use crate::protocol::LineSettings;
+
+/// The line itself failed, not the module at its end: the port is gone and has to be opened again.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the line was lost: {reason}")]
+pub struct LineLost {
+    pub reason: String,
+}
+
+impl LineLost {
+    pub fn new(reason: impl ToString) -> Self {
+        Self { reason: reason.to_string() }
+    }
+}
+
+/// A half-duplex serial line, real or simulated.
+///
+/// All times are of the line's own clock ([`Line::now`]), so that a simulated line can let time pass without waiting.
+pub trait Line: Send {
+    /// Changes speed and format in place; bytes received before are dropped.
+    fn configure(&mut self, settings: LineSettings) -> Result<(), LineLost>;
+
+    /// Hands `bytes` over and returns without waiting for the last bit.
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LineLost>;
+
+    /// Waits until `deadline` for at least one byte and returns how many were put into `buffer`; 0 when none came.
+    /// A deadline that has passed still returns what has arrived already.
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LineLost>;
+
+    /// Drops what has arrived and was not received.
+    fn purge(&mut self) -> Result<(), LineLost>;
+
+    /// The line's clock.
+    fn now(&self) -> Instant;
+
+    /// Lets the time pass until `instant`; returns at once if it has passed.
+    fn wait_until(&mut self, instant: Instant);
+}

@@ -1,0 +1,30 @@
+//! One conversation at a time, in time: a background thread owns the port, everyone else sends it [`BusCommand`]s and
+//! receives [`BusEvent`]s.
+//!
+//! From the wire upwards: [`line`] (bytes and a clock), `judge` (what came back), [`transaction`] (one exchange),
+//! `codec` and `tcp` (Modbus), [`dialogue`] (questions to a module), [`scan`], and `worker`, which decides what is
+//! asked next.
+
+mod client;
+mod codec;
+pub mod dialogue;
+mod judge;
+pub mod line;
+mod message;
+mod problem;
+pub mod scan;
+mod serial;
+mod tap;
+mod target;
+mod tcp;
+pub mod transaction;
+mod watch;
+mod worker;
+
+pub use client::{Bus, BusGone};
+pub use message::{BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
+pub use problem::{LineProblem, ProblemKind};
+pub use scan::{ScanPlan, ScanProgress, ScanSummary};
+pub use serial::{PortInfo, ports};
+pub use tap::{Direction, Frame, Tap};
+pub use target::{LineAddress, MODBUS_TCP_PORT, Patience, Target};

@@ -1,0 +1,78 @@
+//! Why a line cannot be opened, and what to do about it.
+
+use std::fmt;
+
+/// A line that could not be opened: what happened and the step that cures it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LineProblem {
+    pub line: String,
+    pub kind: ProblemKind,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ProblemKind {
+    NoSuchPort { present: Vec<String> },
+    PermissionDenied,
+    Busy,
+    NotReached(String),
+    Other(String),
+}
+
+impl std::error::Error for LineProblem {}
+
+impl fmt::Display for LineProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { line, kind } = self;
+        match kind {
+            ProblemKind::NoSuchPort { present } if present.is_empty() => {
+                write!(f, "There is no port {line}, nor any other – plug in the adapter, or try the simulated line (--demo)")
+            }
+            ProblemKind::NoSuchPort { present } => {
+                write!(f, "There is no port {line} – present are {}", present.join(", "))
+            }
+            ProblemKind::PermissionDenied if cfg!(windows) => {
+                write!(f, "Access to {line} was denied – another program has it open: close it and try again")
+            }
+            ProblemKind::PermissionDenied => {
+                write!(
+                    f,
+                    "No permission to open {line} – add yourself to its group with `sudo usermod -a -G dialout $USER`, \
+                     then log out and in again"
+                )
+            }
+            ProblemKind::Busy => write!(f, "{line} is in use by another program – close that program and try again"),
+            ProblemKind::NotReached(reason) => {
+                write!(f, "{line} could not be reached ({reason}) – check the cable, the address and the port number")
+            }
+            ProblemKind::Other(reason) => write!(f, "{line} could not be opened: {reason} – unplug and replug the adapter"),
+        }
+    }
+}
+
+impl LineProblem {
+    /// What a failed `open` of a serial port means. `present` are the ports that exist.
+    pub fn of_serial(line: &str, error: &serialport::Error, present: Vec<String>) -> Self {
+        use std::io::ErrorKind as Io;
+        let text = error.description.to_ascii_lowercase();
+        let kind = match error.kind() {
+            serialport::ErrorKind::Io(Io::PermissionDenied) => ProblemKind::PermissionDenied,
+            _ if text.contains("permission denied") || text.contains("access is denied") => {
+                ProblemKind::PermissionDenied
+            }
+            _ if text.contains("busy") || text.contains("exclusive") => ProblemKind::Busy,
+            serialport::ErrorKind::NoDevice if text.contains("no such") || !exists(line) => {
+                ProblemKind::NoSuchPort { present }
+            }
+            serialport::ErrorKind::Io(Io::NotFound) => ProblemKind::NoSuchPort { present },
+            _ if text.contains("cannot find the file") => ProblemKind::NoSuchPort { present },
+            serialport::ErrorKind::NoDevice => ProblemKind::Busy,
+            _ => ProblemKind::Other(error.description.clone()),
+        };
+        Self { line: line.to_owned(), kind }
+    }
+}
+
+/// Windows names are not paths; there only the error's text tells.
+fn exists(line: &str) -> bool {
+    cfg!(windows) || std::path::Path::new(line).exists()
+}

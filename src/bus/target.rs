@@ -1,0 +1,107 @@
+//! Which line, and which module on it.
+
+use std::fmt;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::protocol::{LineSettings, Protocol};
+use crate::sim::Sim;
+
+/// Port of Modbus TCP (PIR-234 manual 3.5.1).
+pub const MODBUS_TCP_PORT: u16 = 502;
+
+/// A line that can be opened.
+#[derive(Debug, Clone)]
+pub enum LineAddress {
+    /// A serial port by the system's name for it.
+    Serial { port: String },
+    /// Modbus TCP to one module.
+    Tcp { host: String, port: u16 },
+    /// A simulated line; the label is what people see.
+    Simulated { label: String, sim: Sim },
+}
+
+impl LineAddress {
+    pub fn demo() -> Self {
+        Self::Simulated { label: "Simulated line".to_owned(), sim: Sim::demo() }
+    }
+
+    pub fn is_tcp(&self) -> bool {
+        matches!(self, Self::Tcp { .. })
+    }
+
+    /// Reads `HOST` or `HOST:PORT`; an IPv6 address with a port stands in brackets.
+    pub fn tcp(text: &str) -> Result<Self, String> {
+        let wrong = || format!("\"{text}\" is not a host such as 192.168.255.1 or 192.168.255.1:502");
+        let (host, port) = match text.rsplit_once(':') {
+            Some((host, port)) if !host.contains(':') || host.starts_with('[') => {
+                (host, port.parse().map_err(|_| wrong())?)
+            }
+            _ => (text, MODBUS_TCP_PORT),
+        };
+        let host = host.trim_start_matches('[').trim_end_matches(']');
+        if host.is_empty() { Err(wrong()) } else { Ok(Self::Tcp { host: host.to_owned(), port }) }
+    }
+}
+
+impl fmt::Display for LineAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial { port } => f.write_str(port),
+            Self::Tcp { host, port } => write!(f, "{host}:{port}"),
+            Self::Simulated { label, .. } => f.write_str(label),
+        }
+    }
+}
+
+/// One module on a line, and how it is spoken to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Target {
+    /// 0 to 255 for DCON, 1 to 247 for Modbus; over TCP the NetID.
+    pub address: u8,
+    pub protocol: Protocol,
+    /// Without meaning over TCP.
+    #[serde(flatten)]
+    pub settings: LineSettings,
+    /// DCON only.
+    pub checksum: bool,
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "address {} ({:02X}h), {}", self.address, self.address, self.protocol.label())?;
+        if self.protocol != Protocol::ModbusTcp {
+            write!(f, " {}", self.settings)?;
+        }
+        if self.checksum { f.write_str(", checksum") } else { Ok(()) }
+    }
+}
+
+/// How long to wait, and how often to ask again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Patience {
+    /// From the end of the request's last bit to the answer's first byte.
+    pub window: Duration,
+    /// How often a read is repeated after silence.
+    pub after_silence: u8,
+    /// How often a read is repeated after an answer that could not be used.
+    pub after_garbage: u8,
+}
+
+impl Patience {
+    /// For a module that is known to be there. The vendor's utility waits 200 ms too (PIR-234 manual 4.3).
+    pub const CONVERSATION: Self =
+        Self { window: Duration::from_millis(200), after_silence: 1, after_garbage: 2 };
+
+    /// For polls: the next poll asks again anyway.
+    pub const POLL: Self = Self { after_silence: 0, ..Self::CONVERSATION };
+
+    /// A module may store what is written before it answers. Writes are never repeated.
+    pub const WRITE_WINDOW: Duration = Duration::from_millis(500);
+
+    /// For an address of which nothing is known.
+    pub fn scan(window: Duration) -> Self {
+        Self { window, after_silence: 0, after_garbage: 1 }
+    }
+}

@@ -1,0 +1,164 @@
+//! Modbus TCP to one module, through `tokio-modbus`' own client.
+//!
+//! After any error or timeout the connection is dropped and made anew: a late answer would otherwise block the client
+//! for good. The PIR-234 cuts idle connections after 180 s (manual 3.5.2), which is healed in the same way.
+
+use std::io;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::runtime::Runtime;
+use tokio_modbus::client::{Client, Context as ModbusContext, tcp};
+use tokio_modbus::prelude::SlaveContext;
+use tokio_modbus::Slave;
+
+use super::codec;
+use super::tap::{Clock, Direction, Frame, Tap};
+use crate::protocol::{Failure, Query, Reply};
+
+/// A connection that was idle for longer may have been cut by the module unnoticed.
+const FRESH: Duration = Duration::from_secs(60);
+const CONNECT_LIMIT: Duration = Duration::from_secs(3);
+/// On a network an answer takes longer than on a wire; this is added to every window.
+const NETWORK_ALLOWANCE: Duration = Duration::from_millis(800);
+
+pub struct TcpLink {
+    host: String,
+    port: u16,
+    client: Option<ModbusContext>,
+    tap: Arc<Mutex<TimedTap>>,
+    answer_time: Option<Duration>,
+    last_used: Instant,
+}
+
+struct TimedTap {
+    clock: Clock,
+    tap: Tap,
+}
+
+impl TcpLink {
+    pub fn connect(runtime: &Runtime, host: &str, port: u16, tap: Tap) -> Result<Self, String> {
+        let tap = Arc::new(Mutex::new(TimedTap { clock: Clock::starting(Instant::now()), tap }));
+        let mut link = Self { host: host.to_owned(), port, client: None, tap, answer_time: None, last_used: Instant::now() };
+        link.client = Some(link.open(runtime)?);
+        Ok(link)
+    }
+
+    pub fn timestamp(&self) -> Timestamp {
+        self.tap.lock().unwrap_or_else(PoisonError::into_inner).clock.stamp(Instant::now())
+    }
+
+    pub fn answer_time(&self) -> Option<Duration> {
+        self.answer_time
+    }
+
+    fn open(&self, runtime: &Runtime) -> Result<ModbusContext, String> {
+        let tap = self.tap.clone();
+        runtime.block_on(async {
+            let connecting = TcpStream::connect((self.host.as_str(), self.port));
+            let stream = match tokio::time::timeout(CONNECT_LIMIT, connecting).await {
+                Ok(Ok(stream)) => stream,
+                Ok(Err(error)) => return Err(error.to_string()),
+                Err(_) => return Err(format!("no answer within {} s", CONNECT_LIMIT.as_secs())),
+            };
+            if let Err(error) = stream.set_nodelay(true) {
+                log::debug!("no-delay could not be set: {error}");
+            }
+            Ok(tcp::attach(Tapped { stream, tap }))
+        })
+    }
+
+    /// Asks once; a read whose connection turns out to be cut is asked again on a new one.
+    pub fn ask(&mut self, runtime: &Runtime, unit: u8, query: &Query, window: Duration) -> Result<Reply, Failure> {
+        if self.last_used.elapsed() > FRESH {
+            self.client = None;
+        }
+        let reply = self.ask_once(runtime, unit, query, window);
+        self.last_used = Instant::now();
+        match reply {
+            Err(Failure::LineLost(_)) if !query.is_write() => self.ask_once(runtime, unit, query, window),
+            reply => reply,
+        }
+    }
+
+    fn ask_once(&mut self, runtime: &Runtime, unit: u8, query: &Query, window: Duration) -> Result<Reply, Failure> {
+        let request = codec::request_of(query)?;
+        let mut client = match self.client.take() {
+            Some(client) => client,
+            None => self.open(runtime).map_err(Failure::LineLost)?,
+        };
+        client.set_slave(Slave(unit));
+        let started = Instant::now();
+        let answered = runtime.block_on(async {
+            tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await
+        });
+        match answered {
+            Ok(Err(tokio_modbus::Error::Transport(error))) => Err(Failure::LineLost(error.to_string())),
+            Ok(answered) => {
+                self.answer_time = Some(started.elapsed());
+                let reply = codec::reply_of(query, answered);
+                if reply.is_ok() || reply.as_ref().is_err_and(Failure::is_refusal) {
+                    self.client = Some(client);
+                }
+                reply
+            }
+            Err(_) => Err(Failure::Silent),
+        }
+    }
+}
+
+/// A stream whose bytes pass the tap.
+#[derive(Debug)]
+struct Tapped {
+    stream: TcpStream,
+    tap: Arc<Mutex<TimedTap>>,
+}
+
+impl std::fmt::Debug for TimedTap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("TimedTap")
+    }
+}
+
+impl Tapped {
+    fn record(&self, direction: Direction, bytes: &[u8]) {
+        if bytes.is_empty() {
+            return;
+        }
+        let mut timed = self.tap.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = timed.clock.stamp(Instant::now());
+        (timed.tap)(Frame { at, direction, bytes: bytes.to_vec() });
+    }
+}
+
+impl AsyncRead for Tapped {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        let before = buffer.filled().len();
+        let outcome = Pin::new(&mut self.stream).poll_read(cx, buffer);
+        self.record(Direction::Received, buffer.filled().get(before..).unwrap_or_default());
+        outcome
+    }
+}
+
+impl AsyncWrite for Tapped {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        let outcome = Pin::new(&mut self.stream).poll_write(cx, bytes);
+        if let Poll::Ready(Ok(count)) = outcome {
+            self.record(Direction::Sent, bytes.get(..count).unwrap_or_default());
+        }
+        outcome
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(cx)
+    }
+}

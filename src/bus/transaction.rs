@@ -1,0 +1,229 @@
+//! One exchange on a half-duplex line: request out, verified answer back, and the line left quiet.
+//!
+//! The contract: an answer is returned only if it is whole, carries the right checksum or CRC and comes from the module
+//! that was asked. Whatever else arrives is dropped, and after any failure with bytes on the line nothing is sent until
+//! the line has been quiet, so that a late answer cannot be taken for the next one.
+
+use std::time::{Duration, Instant};
+
+use super::judge::{self, Expected, Verdict};
+use super::line::{Line, LineLost};
+use super::tap::{Clock, Direction, Frame, Tap};
+use crate::protocol::{Failure, LineSettings};
+
+/// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
+const SETTLE: Duration = Duration::from_millis(20);
+/// Allowed between two bytes of one answer beyond the characters' own time; covers the latency of USB adapters.
+const BYTE_GAP: Duration = Duration::from_millis(30);
+/// How long after a missed answer the same address is left alone, so that a late answer finds nobody waiting.
+const LATE_GUARD: Duration = Duration::from_millis(100);
+/// More than any answer of any module; a line that babbles on is not listened to for ever.
+const MOST_BYTES: usize = 1024;
+/// A babbling line is given up on after so long.
+const MOST_SETTLING: Duration = Duration::from_secs(1);
+
+impl From<LineLost> for Failure {
+    fn from(lost: LineLost) -> Self {
+        Self::LineLost(lost.reason)
+    }
+}
+
+/// A line, and what has to be remembered of it between two exchanges.
+pub struct Wire {
+    line: Box<dyn Line>,
+    settings: LineSettings,
+    clock: Clock,
+    tap: Tap,
+    /// When the last byte was on the line, as far as known.
+    last_activity: Instant,
+    /// Something unexpected was on the line: let it settle before the next request.
+    disturbed: bool,
+    /// The adapter sends back what is sent.
+    echoes: bool,
+    /// Address of the last request that stayed without answer, and until when an answer may still come.
+    missed: Option<(Option<u8>, Instant)>,
+    /// From the end of the last answered request to the first byte of its answer.
+    answer_time: Option<Duration>,
+}
+
+impl Wire {
+    pub fn new(mut line: Box<dyn Line>, settings: LineSettings, tap: Tap) -> Result<Self, LineLost> {
+        line.configure(settings)?;
+        let now = line.now();
+        Ok(Self {
+            line,
+            settings,
+            clock: Clock::starting(now),
+            tap,
+            last_activity: now,
+            disturbed: false,
+            echoes: false,
+            missed: None,
+            answer_time: None,
+        })
+    }
+
+    pub fn settings(&self) -> LineSettings {
+        self.settings
+    }
+
+    /// Whether the adapter was seen to echo.
+    pub fn echoes(&self) -> bool {
+        self.echoes
+    }
+
+    pub fn answer_time(&self) -> Option<Duration> {
+        self.answer_time
+    }
+
+    pub fn now(&self) -> Instant {
+        self.line.now()
+    }
+
+    /// The time of now in UTC, by the line's clock.
+    pub fn timestamp(&self) -> jiff::Timestamp {
+        self.clock.stamp(self.line.now())
+    }
+
+    /// Lets the line's time pass.
+    pub fn wait(&mut self, duration: Duration) {
+        let until = self.line.now() + duration;
+        self.line.wait_until(until);
+    }
+
+    /// Changes speed and format in place. True if they were others before.
+    pub fn configure(&mut self, settings: LineSettings) -> Result<bool, LineLost> {
+        if settings == self.settings {
+            return Ok(false);
+        }
+        self.line.configure(settings)?;
+        self.settings = settings;
+        self.line.purge()?;
+        Ok(true)
+    }
+
+    /// Sends `request` and returns the verified answer, without echo and noise. `window` runs from the request's last
+    /// bit to the answer's first byte.
+    pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
+        self.become_quiet(expected)?;
+        self.line.purge()?;
+        let started = self.line.now();
+        self.line.send(request)?;
+        self.record(started, Direction::Sent, request.to_vec());
+        let sent = started + self.settings.wire_time(request.len());
+        self.last_activity = sent;
+        if matches!(expected, Expected::Nothing) {
+            self.line.wait_until(sent);
+            return Ok(Vec::new());
+        }
+        let mut received = Vec::new();
+        let outcome = self.listen(request, expected, sent, window, &mut received);
+        if !received.is_empty() {
+            self.record(self.last_activity, Direction::Received, received);
+        }
+        self.remember(&outcome, expected.address(request));
+        outcome
+    }
+
+    fn listen(
+        &mut self,
+        request: &[u8],
+        expected: &Expected,
+        sent: Instant,
+        window: Duration,
+        received: &mut Vec<u8>,
+    ) -> Result<Vec<u8>, Failure> {
+        let first_deadline = sent + window;
+        let mut deadline = first_deadline;
+        let mut first_byte = None;
+        let mut buffer = [0; 256];
+        loop {
+            let count = self.line.receive(&mut buffer, deadline)?;
+            let verdict = if count == 0 {
+                judge::after_silence(request, expected, received, self.echoes)
+            } else {
+                self.last_activity = self.line.now();
+                received.extend(buffer.iter().take(count));
+                judge::so_far(request, expected, received, self.echoes)
+            };
+            match verdict {
+                Verdict::Answer { bytes, echo, noise } => {
+                    self.echoes |= echo;
+                    self.disturbed |= noise;
+                    let first = first_byte.unwrap_or(self.last_activity);
+                    self.answer_time = Some(first.saturating_duration_since(sent));
+                    return Ok(bytes);
+                }
+                Verdict::Failed { failure, echo } => {
+                    self.echoes |= echo;
+                    return Err(failure);
+                }
+                Verdict::NothingYet => deadline = first_deadline,
+                Verdict::More => {
+                    first_byte.get_or_insert(self.last_activity);
+                    deadline = self.last_activity + BYTE_GAP + self.settings.wire_time(2);
+                }
+            }
+            if received.len() > MOST_BYTES {
+                let reason = "the line does not stop sending".to_owned();
+                return Err(Failure::Garbled { reason, bytes: received.iter().copied().take(64).collect() });
+            }
+        }
+    }
+
+    fn remember(&mut self, outcome: &Result<Vec<u8>, Failure>, address: Option<u8>) {
+        match outcome {
+            Ok(_) => self.missed = None,
+            Err(Failure::Silent) => self.missed = Some((address, self.line.now() + LATE_GUARD)),
+            Err(_) => self.disturbed = true,
+        }
+    }
+
+    /// Waits until a request may be sent without running into anything.
+    fn become_quiet(&mut self, expected: &Expected) -> Result<(), LineLost> {
+        if self.disturbed {
+            self.settle()?;
+        }
+        let address = expected.next_address();
+        if let Some((missed, until)) = self.missed
+            && (address.is_none() || missed == address)
+        {
+            self.line.wait_until(until);
+        }
+        if matches!(expected, Expected::Rtu { .. }) {
+            self.line.wait_until(self.last_activity + self.settings.frame_silence());
+        }
+        Ok(())
+    }
+
+    /// Drops everything until the line has been quiet for [`SETTLE`] or 3.5 characters.
+    fn settle(&mut self) -> Result<(), LineLost> {
+        let quiet = SETTLE.max(self.settings.frame_silence());
+        let give_up = self.line.now() + MOST_SETTLING;
+        let mut buffer = [0; 256];
+        let mut dropped = Vec::new();
+        loop {
+            let deadline = self.last_activity + quiet;
+            let count = self.line.receive(&mut buffer, deadline)?;
+            if count == 0 {
+                break;
+            }
+            self.last_activity = self.line.now();
+            dropped.extend(buffer.iter().take(count));
+            if self.last_activity > give_up {
+                break;
+            }
+        }
+        if !dropped.is_empty() {
+            dropped.truncate(MOST_BYTES);
+            self.record(self.last_activity, Direction::Received, dropped);
+        }
+        self.disturbed = false;
+        Ok(())
+    }
+
+    fn record(&mut self, at: Instant, direction: Direction, bytes: Vec<u8>) {
+        let at = self.clock.stamp(at);
+        (self.tap)(Frame { at, direction, bytes });
+    }
+}

@@ -1,0 +1,8 @@
+//! dcon-bench: a commissioning bench for ICP DAS PIR-130 and PIR-234 modules.
+//!
+//! `ARCHITECTURE.md` shows the rooms and how they depend on each other.
+
+pub mod bus;
+pub mod module;
+pub mod protocol;
+pub mod sim;

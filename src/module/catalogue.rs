@@ -1,0 +1,139 @@
+//! All module definitions: those built in, and the user's own files beside or instead of them.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use super::check::{self, Problem};
+use super::definition::Definition;
+use super::file::File;
+
+/// The definitions that come with the program: file name and text.
+const BUILT_IN: [(&str, &str); 3] = [
+    ("pir-130.toml", include_str!("../../assets/modules/pir-130.toml")),
+    ("pir-230.toml", include_str!("../../assets/modules/pir-230.toml")),
+    ("pir-234.toml", include_str!("../../assets/modules/pir-234.toml")),
+];
+
+/// A definition file that was left out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileError {
+    pub file: String,
+    /// 1-based; `None` if the file could not be read at all.
+    pub line: Option<usize>,
+    pub reason: String,
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}, line {line}: {}", self.file, self.reason),
+            None => write!(f, "{}: {}", self.file, self.reason),
+        }
+    }
+}
+
+impl std::error::Error for FileError {}
+
+/// The known models, by id.
+#[derive(Debug, Clone, Default)]
+pub struct Catalogue {
+    definitions: BTreeMap<String, std::sync::Arc<Definition>>,
+}
+
+struct Source {
+    name: String,
+    text: String,
+    file: File,
+}
+
+impl Catalogue {
+    /// The built-in definitions alone.
+    pub fn built_in() -> (Self, Vec<FileError>) {
+        let texts = BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+        Self::from_texts(texts.collect())
+    }
+
+    /// The built-in definitions, and the `*.toml` files of `folder`, which add to them or replace those of the same
+    /// id. A faulty file is left out and reported; a folder that does not exist is empty.
+    pub fn with_folder(folder: &Path) -> (Self, Vec<FileError>) {
+        let mut texts: Vec<_> = BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+        let mut unreadable = Vec::new();
+        for path in definition_files(folder) {
+            let name = path.display().to_string();
+            match std::fs::read_to_string(&path) {
+                Ok(text) => texts.push((name, text)),
+                Err(error) => unreadable.push(FileError { file: name, line: None, reason: error.to_string() }),
+            }
+        }
+        let (catalogue, mut errors) = Self::from_texts(texts);
+        errors.extend(unreadable);
+        (catalogue, errors)
+    }
+
+    /// Definitions from pairs of file name and text; of the same id, the later good one counts.
+    pub fn from_texts(texts: Vec<(String, String)>) -> (Self, Vec<FileError>) {
+        let mut sources: Vec<Source> = Vec::new();
+        let mut errors = Vec::new();
+        for (name, text) in texts {
+            match toml::from_str::<File>(&text) {
+                Ok(file) => sources.push(Source { name, text, file }),
+                Err(error) => errors.push(FileError {
+                    line: error.span().map(|span| line_of(&text, span.start)),
+                    reason: error.message().to_owned(),
+                    file: name,
+                }),
+            }
+        }
+        let mut catalogue = Self::default();
+        for source in &sources {
+            match resolve(source, &sources) {
+                Ok(definition) => {
+                    catalogue.definitions.insert(definition.id.clone(), definition.into());
+                }
+                Err(Problem { at, reason }) => errors.push(FileError {
+                    file: source.name.clone(),
+                    line: Some(line_of(&source.text, at)),
+                    reason,
+                }),
+            }
+        }
+        (catalogue, errors)
+    }
+
+    pub fn get(&self, id: &str) -> Option<std::sync::Arc<Definition>> {
+        self.definitions.get(id).cloned()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &std::sync::Arc<Definition>> {
+        self.definitions.values()
+    }
+}
+
+/// The checked definition of `source`, completed by the one it is based on.
+fn resolve(source: &Source, all: &[Source]) -> Result<Definition, Problem> {
+    let Some(base_id) = &source.file.based_on else { return check::check(&source.file) };
+    let wrong_base = |reason| Problem { at: source.file.id.span().start, reason };
+    // A user's file may be based on the built-in file of its own id.
+    let base = all.iter().find(|other| other.file.id.get_ref() == base_id && !std::ptr::eq(*other, source));
+    let base = base.ok_or_else(|| wrong_base(format!("it is based on \"{base_id}\", which is not there")))?;
+    if base.file.based_on.is_some() {
+        return Err(wrong_base(format!("\"{base_id}\" is itself based on another definition")));
+    }
+    check::check(&check::complete(&source.file, &base.file)).map_err(|problem| {
+        // The place may lie in the base's text; the entry's name in the reason says where to look.
+        Problem { at: problem.at.min(source.text.len()), reason: problem.reason }
+    })
+}
+
+fn definition_files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<_> =
+        entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    files.sort();
+    files
+}
+
+fn line_of(text: &str, at: usize) -> usize {
+    text.bytes().take(at).filter(|byte| *byte == b'\n').count().saturating_add(1)
+}

@@ -1,0 +1,10 @@
+//! Bytes ↔ messages. Pure: no I/O, no clock, no knowledge of any module; no input can make it panic.
+
+pub mod dcon;
+pub mod hex;
+mod message;
+pub mod modbus;
+mod settings;
+
+pub use message::{AnswerFrom, Failure, Query, Reply};
+pub use settings::{BaudRate, DataFormat, LineSettings, Protocol, UnknownWord};
