@@ -2,7 +2,10 @@
 //!
 //! `ARCHITECTURE.md` shows the rooms and how they depend on each other.
 
+pub mod bench;
 pub mod bus;
+pub mod folders;
 pub mod module;
 pub mod protocol;
+pub mod record;
 pub mod sim;

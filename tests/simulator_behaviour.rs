@@ -434,7 +434,7 @@ fn a_stranger_tells_its_name_over_dcon_and_refuses_over_modbus() {
 #[test]
 fn years_pass_in_a_moment() {
     let (sim, mut line) = world(&["pir-234@1", "pir-130@2"]);
-    for _ in 0..30 {
+    for _ in 0..3 {
         sim.advance(Duration::MAX);
     }
     assert_eq!(register(&mut line, 1, 484), Ok(0x5049));

@@ -73,7 +73,7 @@ fn the_address_changes_at_once_and_the_answer_carries_the_new_one() {
 fn the_speed_changes_in_init_mode_only() {
     // PIR-234 manual 5.2, PIR-130 manual 2.1.
     conversation_with_both("1:dcon", &[("%0101200A00", "?01"), ("$012", "!01400600")]);
-    conversation("pir-130@1:dcon:init", &[("%0101200A00", "!01"), ("%0101200600", "!01")]);
+    conversation("pir-130@1:dcon:init", &[("%0101200A00", "!01"), ("%0101200600", "!01"), ("$012", "!01400600")]);
     conversation("pir-234@1:dcon:init", &[("%0101200A00", "!01"), ("%0101000600", "!01"), ("$012", "!01000600")]);
 }
 

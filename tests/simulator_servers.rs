@@ -84,6 +84,19 @@ fn a_reboot_over_ethernet_is_told_as_the_reset_cause() {
 }
 
 #[test]
+fn a_malformed_request_costs_its_sender_the_connection_and_nobody_else() {
+    let sim = world(&["pir-234@1"]);
+    let server = TcpServer::bind(&sim, any_port()).unwrap();
+    let mut good = client(&server);
+    for pdu in
+        [&[16, 2, 0, 0x80, 1, 2, 0, 1][..], &[15, 0, 0, 0xFF, 0xFF, 1, 1], &[3, 0], &[5, 0, 0, 1, 2], &[0xFF], &[]]
+    {
+        assert!(ask(&mut client(&server), 1, pdu).is_err(), "{pdu:02X?}");
+        assert!(ask(&mut good, 1, &[4, 0, 0, 0, 5]).is_ok(), "{pdu:02X?}");
+    }
+}
+
+#[test]
 fn a_dropped_server_frees_its_port() {
     let sim = world(&["pir-234@1"]);
     let server = TcpServer::bind(&sim, any_port()).unwrap();

@@ -137,3 +137,21 @@ fn definition_files(folder: &Path) -> Vec<std::path::PathBuf> {
 fn line_of(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|byte| *byte == b'\n').count().saturating_add(1)
 }
+
+/// Copies a definition file into the user's folder, if it is good. Returns the model's id.
+pub fn add_file(folder: &Path, path: &Path) -> Result<String, FileError> {
+    let name = path.display().to_string();
+    let unusable = |reason: String| FileError { file: name.clone(), line: None, reason };
+    let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
+    let mut texts: Vec<_> = BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+    texts.push((name.clone(), text.clone()));
+    let (_, errors) = Catalogue::from_texts(texts);
+    if let Some(error) = errors.into_iter().find(|error| error.file == name) {
+        return Err(error);
+    }
+    let id = toml::from_str::<File>(&text).map_err(|error| unusable(error.message().to_owned()))?.id.into_inner();
+    let file_name = path.file_name().ok_or_else(|| unusable("it has no file name".to_owned()))?;
+    std::fs::create_dir_all(folder).map_err(|error| unusable(error.to_string()))?;
+    std::fs::write(folder.join(file_name).with_extension("toml"), text).map_err(|error| unusable(error.to_string()))?;
+    Ok(id)
+}

@@ -15,7 +15,7 @@ mod read;
 mod value;
 mod write;
 
-pub use catalogue::{Catalogue, FileError};
+pub use catalogue::{Catalogue, FileError, add_file};
 pub use definition::{
     Access, Action, Applies, Choice, Command, Definition, Field, Identity, Item, ItemKind, Kind, ModbusPlace, Optional,
 };
@@ -23,7 +23,7 @@ pub use identify::{Identified, identify};
 pub use notation::Template;
 pub use read::{ReadPlan, present_options, read_items};
 pub use value::{Fixed, Value, ValueError};
-pub use write::{WriteError, run_action, write_item};
+pub use write::{WriteError, check_write, moves_to, run_action, write_item};
 
 use crate::protocol::{Failure, Query, Reply};
 

@@ -46,11 +46,11 @@ pub fn write_item(
         return Err(ValueError::ReadOnly { id: item.id.clone() }.into());
     }
     let outcome = send(definition, protocol, address, item, value, ask)?;
-    let moved = item.id == "address" && outcome.is_ok();
-    let address = if moved { moved_address(address, value) } else { address };
-    if moved {
+    let moved = moves_to(item, value).filter(|_| outcome.is_ok());
+    if let Some(address) = moved {
         ask.follow(address);
     }
+    let address = moved.unwrap_or(address);
     let mut read_back = || read_back(definition, protocol, address, item, ask);
     match outcome {
         Ok(_) => match read_back() {
@@ -116,11 +116,43 @@ fn hint(item: &Item, otherwise: &'static str) -> &'static str {
     }
 }
 
-/// The address to which a module answers after `value` was written to its `address`.
-fn moved_address(present: u8, value: &Value) -> u8 {
+/// The address to which a module answers once `value` stands in `item`; `None` if it stays where it is. On a serial
+/// line that is its `address`, over TCP its `net_id`; neither is offered on the other line.
+pub fn moves_to(item: &Item, value: &Value) -> Option<u8> {
     match value {
-        Value::Number(Fixed { raw, .. }) => u8::try_from(*raw).unwrap_or(present),
-        _ => present,
+        Value::Number(Fixed { raw, .. }) if matches!(item.id.as_str(), "address" | "net_id") => u8::try_from(*raw).ok(),
+        _ => None,
+    }
+}
+
+/// Whether `protocol` can carry `value` to `item`, judged without asking the module; [`write_item`] would refuse
+/// the same before it sends the write.
+pub fn check_write(definition: &Definition, protocol: Protocol, item: &Item, value: &Value) -> Result<(), WriteError> {
+    if item.read_only {
+        return Err(ValueError::ReadOnly { id: item.id.clone() }.into());
+    }
+    let not_offered = || WriteError::NotOffered { id: item.id.clone(), protocol };
+    match item.accesses.iter().find(|access| access.serves(protocol)).ok_or_else(not_offered)? {
+        Access::Command(_) if own_command(item, value).is_some() => Ok(()),
+        Access::Command(access) => {
+            let command = definition.commands.get(access.command).ok_or_else(not_offered)?;
+            let template = command.write.as_ref().ok_or_else(not_offered)?;
+            written_field(command, template, &access.field).map(|_| ()).ok_or_else(not_offered)
+        }
+        Access::Modbus(access) => check_place(item, access, protocol, value),
+    }
+}
+
+fn check_place(item: &Item, access: &ModbusAccess, protocol: Protocol, value: &Value) -> Result<(), WriteError> {
+    let raw = || access::raw_of_value(item, value, protocol, access.inverted);
+    match (access.place, &item.kind) {
+        (ModbusPlace::Input { .. }, _) => Err(ValueError::ReadOnly { id: item.id.clone() }.into()),
+        (ModbusPlace::Coils { .. }, _) => Ok(raw().map(|_| ())?),
+        (ModbusPlace::Holding { count: 1, .. }, _) => word(item, access, protocol, value, raw()?).map(|_| ()),
+        (ModbusPlace::Holding { count, .. }, Kind::Text { .. } | Kind::Ipv4) => {
+            Ok(access::words_of_text(item, access.encoding, count, value).map(|_| ())?)
+        }
+        (ModbusPlace::Holding { .. }, _) => Err(WriteError::NotOffered { id: item.id.clone(), protocol }),
     }
 }
 
@@ -160,9 +192,7 @@ fn command_write(
     let text = field_text(item, access, template.width(&target), &fields, &target, value, command.fields.get(&access.field))?;
     fields.insert(target, text);
     let mut from = vec![address];
-    if item.id == "address" {
-        from.push(moved_address(address, value));
-    }
+    from.extend(moves_to(item, value));
     match command.function {
         None => Ok(dcon_query(template, address, &fields, from)),
         Some(function) => {

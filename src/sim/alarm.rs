@@ -18,7 +18,7 @@ pub(super) struct Alarm {
 
 impl Alarm {
     pub fn new() -> Self {
-        Self { enabled: false, latched: false, limit: 65_00, active: false }
+        Self { enabled: false, latched: false, limit: 6500, active: false }
     }
 
     pub fn active(&self) -> bool {

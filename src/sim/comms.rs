@@ -27,7 +27,8 @@ pub(super) struct Comms {
     in_force: Language,
     address: u8,
     response_delay_ms: u16,
-    /// TT of `$AA2`; the manuals print 40, and 00 after a `%` that said so.
+    /// TT of `$AA2`. The manuals print 40, even after a `%` with 20 (PIR-130 manual 2.2), but 00 after one with 00
+    /// (PIR-234 manual 5.7).
     type_code: u8,
     /// DIP 4 is on.
     pub init: bool,
@@ -132,7 +133,7 @@ impl Comms {
         }
         self.store(Language { settings, checksum, ..self.stored })?;
         self.address = address;
-        self.type_code = type_code;
+        self.type_code = if type_code == 0x00 { 0x00 } else { 0x40 };
         Ok(())
     }
 }

@@ -79,7 +79,8 @@ pub enum SpecError {
     #[error("\"{0}\" is not an address: use 0 to 255 in decimal, or hexadecimal as 0xA0 or A0h")]
     BadAddress(String),
     #[error(
-        "\"{0}\" is not part of a module: use dcon, modbus_rtu, a speed such as 9600, n81, n82, e81, o81, checksum, init or hardware"
+        "\"{0}\" is not part of a module: use dcon, modbus_rtu, a speed such as 9600, n81, n82, e81, o81, checksum, \
+         init or hardware"
     )]
     UnknownWord(String),
     #[error("\"{0}\" repeats or contradicts an earlier word")]

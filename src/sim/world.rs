@@ -102,7 +102,7 @@ impl World {
         }
     }
 
-    /// All modules at `address`, up to date. Changes made through this are lived with at once by [`Self::change`].
+    /// All modules at `address`, up to date.
     fn at(&mut self, address: u8) -> impl Iterator<Item = &mut Device> {
         self.live(self.now());
         self.devices.iter_mut().filter(move |device| device.comms.address() == address)
@@ -113,7 +113,7 @@ impl World {
         self.at(address).next().map(|device| &*device)
     }
 
-    /// Changes every module at `address`.
+    /// Changes every module at `address`, with what follows from it at once.
     pub fn change(&mut self, address: u8, change: impl Fn(&mut Device)) {
         for device in self.at(address) {
             change(device);

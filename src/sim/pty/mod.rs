@@ -31,6 +31,9 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 /// Operating systems deliver in lumps, so a pause that ends a frame is longer here than on the wire.
 const LEAST_SILENCE: Duration = Duration::from_millis(20);
 
+/// More than any request has (Modbus over serial line 1.02, 2.5.1).
+const LONGEST_REQUEST: usize = 256;
+
 /// Serves a simulated line on a pseudo-terminal, at the speed a real one would have, until dropped.
 ///
 /// Modules hear only what comes at their speed; the data format cannot be seen on a pseudo-terminal.
@@ -126,14 +129,16 @@ struct Talk {
     /// What has come in and is no whole request yet.
     heard: Vec<u8>,
     last_heard: Instant,
+    /// When the last bit of what was heard would have passed on a wire.
+    sent: Instant,
     /// What goes out, in lumps as a receive FIFO makes them, by the time of their last bit.
     outgoing: VecDeque<(Instant, Vec<u8>)>,
 }
 
 impl Talk {
     fn new(sim: Sim, master: pipe::Receiver, slave: OwnedFd) -> Self {
-        let last_heard = Instant::now();
-        Self { sim, master, _slave: slave, heard: Vec::new(), last_heard, outgoing: VecDeque::new() }
+        let now = Instant::now();
+        Self { sim, master, _slave: slave, heard: Vec::new(), last_heard: now, sent: now, outgoing: VecDeque::new() }
     }
 
     async fn serve(&mut self, stop: &AtomicBool) -> io::Result<()> {
@@ -178,7 +183,8 @@ impl Talk {
     }
 
     fn end_with_silence(&mut self) -> io::Result<()> {
-        if !self.heard.is_empty() && self.silent_at().is_none_or(|silent| silent <= Instant::now()) {
+        let silent = || self.silent_at().is_none_or(|silent| silent <= Instant::now());
+        if self.heard.len() > LONGEST_REQUEST || !self.heard.is_empty() && silent() {
             let frame = std::mem::take(&mut self.heard);
             self.hear(&frame)?;
         }
@@ -193,22 +199,24 @@ impl Talk {
     fn hear(&mut self, frame: &[u8]) -> io::Result<()> {
         let speed = self.speed()?;
         let settings = at_speed(speed);
-        let sending = settings.wire_time(frame.len());
-        let start = Instant::now();
+        let now = Instant::now();
+        let start = now.max(self.sent);
+        let end = start + settings.wire_time(frame.len());
         let (echo, answers) = {
             let mut world = self.sim.world();
             if world.faults.unplugged {
                 return Ok(());
             }
-            let end = world.now() + sending;
-            let answers = world.hear(frame, Carrier::Speed(speed), end);
+            let heard = world.now() + (end - now);
+            let answers = world.hear(frame, Carrier::Speed(speed), heard);
             (world.faults.echo, answers)
         };
+        self.sent = end;
         if echo {
             self.say(start, settings, frame);
         }
         for answer in answers {
-            self.say(start + sending + answer.delay, settings, &answer.bytes);
+            self.say(end.checked_add(answer.delay).unwrap_or(end), settings, &answer.bytes);
         }
         Ok(())
     }
@@ -217,7 +225,8 @@ impl Talk {
         let mut sent = 0_usize;
         for lump in bytes.chunks(FIFO_TRIGGER) {
             sent = sent.saturating_add(lump.len());
-            self.outgoing.push_back((start + settings.wire_time(sent), lump.to_vec()));
+            let due = start.checked_add(settings.wire_time(sent)).unwrap_or(start);
+            self.outgoing.push_back((due, lump.to_vec()));
         }
         self.outgoing.make_contiguous().sort_by_key(|&(due, _)| due);
     }

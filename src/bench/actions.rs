@@ -1,0 +1,127 @@
+//! What a user can ask for, and how it is carried out.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::{Bench, DEFAULT_INTERVAL, LineState, ScanState, Severity};
+use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
+use crate::protocol::LineSettings;
+
+/// What a user asks for.
+#[derive(Debug, Clone)]
+pub enum Action {
+    /// Look again which ports there are.
+    RefreshPorts,
+    /// Open a line; the one that was open is closed.
+    Connect { line: LineAddress, settings: LineSettings },
+    Disconnect,
+    /// Search a line for modules, opening it first if it is not open.
+    Scan { line: LineAddress, settings: LineSettings, plan: ScanPlan },
+    PauseScan(bool),
+    CancelScan,
+    /// Show a module, and poll it from now on.
+    Show(Target),
+    /// Poll a module so often; zero is as fast as the line allows.
+    SetInterval(Target, Duration),
+    /// Stop polling a module; its last values stay.
+    StopPolling(Target),
+    /// Forget a module.
+    Remove(Target),
+    /// Add a module definition from a file to the user's own.
+    AddDefinition(PathBuf),
+    /// Tell something that happened in the window itself.
+    Notify(Severity, String),
+    ClearNotices,
+}
+
+impl Bench {
+    pub fn apply(&mut self, action: Action) {
+        match action {
+            Action::RefreshPorts => self.ports = ports(),
+            Action::Connect { line, settings } => self.connect(line, settings),
+            Action::Disconnect => self.disconnect(),
+            Action::Scan { line, settings, plan } => self.start_scan(line, settings, plan),
+            Action::PauseScan(paused) => self.send(BusCommand::PauseScan(paused)),
+            Action::CancelScan => self.send(BusCommand::CancelScan),
+            Action::Show(target) => self.show(target),
+            Action::SetInterval(target, interval) => self.watch(target, interval),
+            Action::StopPolling(target) => self.stop_polling(target),
+            Action::Remove(target) => self.remove(target),
+            Action::AddDefinition(path) => self.add_definition(&path),
+            Action::Notify(severity, text) => self.notify(severity, text),
+            Action::ClearNotices => self.notices.clear(),
+        }
+    }
+
+    fn send(&mut self, command: BusCommand) {
+        if let Err(gone) = self.bus.send(command) {
+            self.notify(Severity::Error, gone.to_string());
+        }
+    }
+
+    fn connect(&mut self, line: LineAddress, settings: LineSettings) {
+        let id = self.bus.next_id();
+        self.modules.clear();
+        self.shown = None;
+        self.scan = None;
+        self.settings = settings;
+        self.line = LineState::Opening { line: line.clone() };
+        self.send(BusCommand::Open { id, line, settings });
+    }
+
+    fn disconnect(&mut self) {
+        let id = self.bus.next_id();
+        self.send(BusCommand::Close { id });
+    }
+
+    fn start_scan(&mut self, line: LineAddress, settings: LineSettings, plan: ScanPlan) {
+        let same = self.line.line().is_some_and(|open| open.to_string() == line.to_string());
+        if !same {
+            self.connect(line, settings);
+        }
+        let id = self.bus.next_id();
+        self.scan = Some(ScanState::Running { id, progress: None, found: 0 });
+        self.send(BusCommand::Scan { id, plan });
+    }
+
+    fn show(&mut self, target: Target) {
+        self.shown = Some(target);
+        if self.module(&target).is_some_and(|module| module.interval.is_none()) {
+            self.watch(target, DEFAULT_INTERVAL);
+        }
+    }
+
+    fn watch(&mut self, target: Target, interval: Duration) {
+        let id = self.bus.next_id();
+        let Some(module) = self.module_mut(&target) else { return };
+        let Some(definition) = module.definition().cloned() else { return };
+        module.interval = Some(interval);
+        self.send(BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval });
+    }
+
+    fn stop_polling(&mut self, target: Target) {
+        if let Some(module) = self.module_mut(&target) {
+            module.interval = None;
+        }
+        self.send(BusCommand::Unwatch { target });
+    }
+
+    fn remove(&mut self, target: Target) {
+        self.send(BusCommand::Unwatch { target });
+        self.modules.retain(|module| module.target != target);
+        if self.shown == Some(target) {
+            self.shown = None;
+        }
+    }
+
+    /// The file is checked before it is copied; it counts from the next start on.
+    fn add_definition(&mut self, path: &std::path::Path) {
+        let outcome = crate::folders::definitions()
+            .ok_or_else(|| "there is no folder for settings".to_owned())
+            .and_then(|folder| crate::module::add_file(&folder, path).map_err(|error| error.to_string()));
+        match outcome {
+            Ok(id) => self.notify(Severity::Info, format!("The definition of {id} was added – restart to use it")),
+            Err(reason) => self.notify(Severity::Error, format!("The definition was not added – {reason}")),
+        }
+    }
+}

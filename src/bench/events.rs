@@ -1,0 +1,99 @@
+//! Takes in what the bus tells.
+
+use super::{Bench, FRAMES_KEPT, LineState, Module, ScanState, Severity, Statistics};
+use crate::bus::{BusEvent, Frame, RequestId, ScanSummary, Target};
+use crate::module::Identified;
+
+/// Events taken in at once, so that a flood cannot hold up the window; the rest waits for the next frame.
+const MOST_AT_ONCE: usize = 2_000;
+
+impl Bench {
+    /// Takes in the events that are waiting. True if anything changed.
+    pub fn drain(&mut self) -> bool {
+        for taken in 0..MOST_AT_ONCE {
+            match self.bus.try_event() {
+                Some(event) => self.take(event),
+                None => return taken > 0,
+            }
+        }
+        true
+    }
+
+    fn take(&mut self, event: BusEvent) {
+        match event {
+            BusEvent::Opened { .. } | BusEvent::LineRestored => self.line_is_open(),
+            BusEvent::OpenFailed { problem, .. } => {
+                self.line = LineState::Closed;
+                self.scan = None;
+                self.notify(Severity::Error, problem.to_string());
+            }
+            BusEvent::Closed { .. } => {
+                self.line = LineState::Closed;
+                self.modules.iter_mut().for_each(|module| module.interval = None);
+            }
+            BusEvent::LineLost { reason } => self.line_is_lost(reason),
+            BusEvent::ScanProgress { id, progress } => {
+                if let Some(ScanState::Running { id: running, progress: shown, .. }) = &mut self.scan
+                    && *running == id
+                {
+                    *shown = Some(progress);
+                }
+            }
+            BusEvent::Found { target, identified, .. } => self.found(target, identified),
+            BusEvent::ScanEnded { id, summary } => self.scan_ended(id, summary),
+            BusEvent::Read { target, at, values, .. } => {
+                if let Some(module) = self.module_mut(&target) {
+                    module.take(at, values);
+                }
+            }
+            BusEvent::Traffic(frame) => self.keep(frame),
+            BusEvent::Statistics(statistics) => self.statistics = statistics,
+            BusEvent::Identified { .. }
+            | BusEvent::Written { .. }
+            | BusEvent::Acted { .. }
+            | BusEvent::RawAnswer { .. } => {}
+        }
+    }
+
+    fn line_is_open(&mut self) {
+        let Some(line) = self.line.line().cloned() else { return };
+        if let LineState::Lost { .. } = self.line {
+            self.notify(Severity::Info, format!("{line} is there again"));
+        } else {
+            self.statistics = Statistics::default();
+        }
+        self.line = LineState::Open { line };
+    }
+
+    fn line_is_lost(&mut self, reason: String) {
+        let Some(line) = self.line.line().cloned() else { return };
+        let text = format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself");
+        self.notify(Severity::Error, text);
+        self.line = LineState::Lost { line, reason };
+    }
+
+    /// A module found again keeps its history.
+    fn found(&mut self, target: Target, identified: Identified) {
+        if let Some(ScanState::Running { found, .. }) = &mut self.scan {
+            *found = found.saturating_add(1);
+        }
+        match self.module_mut(&target) {
+            Some(module) => module.identified = identified,
+            None => self.modules.push(Module::new(target, identified)),
+        }
+    }
+
+    fn scan_ended(&mut self, id: RequestId, summary: ScanSummary) {
+        let running = matches!(&self.scan, Some(ScanState::Running { id: running, .. }) if *running == id);
+        if running {
+            self.scan = Some(ScanState::Ended(summary));
+        }
+    }
+
+    fn keep(&mut self, frame: Frame) {
+        if self.frames.len() >= FRAMES_KEPT {
+            self.frames.pop_front();
+        }
+        self.frames.push_back(frame);
+    }
+}

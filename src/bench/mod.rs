@@ -1,0 +1,166 @@
+//! The program's state: the line, the modules found on it and what they last said. Actions come in from the user,
+//! events from the bus; the window only draws what stands here.
+
+mod actions;
+mod events;
+mod module;
+mod notice;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+pub use actions::Action;
+pub use module::{Module, Presence, Reading};
+pub use notice::{Notice, Severity};
+
+use crate::bus::{
+    Bus, Frame, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports,
+};
+use crate::module::{Catalogue, FileError};
+use crate::protocol::LineSettings;
+
+/// Frames kept for looking back at.
+const FRAMES_KEPT: usize = 2_000;
+const NOTICES_KEPT: usize = 200;
+/// How often an opened module is polled unless told otherwise.
+pub const DEFAULT_INTERVAL: Duration = Duration::from_secs(1);
+
+/// What is known of the line.
+#[derive(Debug, Clone, Default)]
+pub enum LineState {
+    #[default]
+    Closed,
+    Opening {
+        line: LineAddress,
+    },
+    Open {
+        line: LineAddress,
+    },
+    /// The port vanished; it is taken up again when it returns.
+    Lost {
+        line: LineAddress,
+        reason: String,
+    },
+}
+
+impl LineState {
+    pub fn line(&self) -> Option<&LineAddress> {
+        match self {
+            Self::Closed => None,
+            Self::Opening { line } | Self::Open { line } | Self::Lost { line, .. } => Some(line),
+        }
+    }
+
+    pub fn is_open(&self) -> bool {
+        matches!(self, Self::Open { .. })
+    }
+}
+
+/// The scan under way, or how the last one ended.
+#[derive(Debug, Clone)]
+pub enum ScanState {
+    Running { id: RequestId, progress: Option<ScanProgress>, found: usize },
+    Ended(ScanSummary),
+}
+
+/// Everything the window shows.
+pub struct Bench {
+    bus: Bus,
+    catalogue: Arc<Catalogue>,
+    ports: Vec<PortInfo>,
+    line: LineState,
+    settings: LineSettings,
+    scan: Option<ScanState>,
+    modules: Vec<Module>,
+    /// The module in view.
+    shown: Option<Target>,
+    statistics: Statistics,
+    frames: VecDeque<Frame>,
+    notices: VecDeque<Notice>,
+}
+
+impl Bench {
+    pub fn new(bus: Bus, catalogue: Arc<Catalogue>, faulty_files: &[FileError]) -> Self {
+        let mut bench = Self {
+            bus,
+            catalogue,
+            ports: ports(),
+            line: LineState::default(),
+            settings: LineSettings::default(),
+            scan: None,
+            modules: Vec::new(),
+            shown: None,
+            statistics: Statistics::default(),
+            frames: VecDeque::new(),
+            notices: VecDeque::new(),
+        };
+        for error in faulty_files {
+            bench.notify(Severity::Warning, format!("A module definition was left out – {error}"));
+        }
+        bench
+    }
+
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    pub fn ports(&self) -> &[PortInfo] {
+        &self.ports
+    }
+
+    pub fn line(&self) -> &LineState {
+        &self.line
+    }
+
+    /// Speed and format with which the line was opened last.
+    pub fn settings(&self) -> LineSettings {
+        self.settings
+    }
+
+    pub fn scan(&self) -> Option<&ScanState> {
+        self.scan.as_ref()
+    }
+
+    pub fn is_scanning(&self) -> bool {
+        matches!(self.scan, Some(ScanState::Running { .. }))
+    }
+
+    /// In the order in which they were found.
+    pub fn modules(&self) -> &[Module] {
+        &self.modules
+    }
+
+    pub fn module(&self, target: &Target) -> Option<&Module> {
+        self.modules.iter().find(|module| module.target == *target)
+    }
+
+    pub fn shown(&self) -> Option<&Module> {
+        self.shown.as_ref().and_then(|target| self.module(target))
+    }
+
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// The last frames on the line, oldest first.
+    pub fn frames(&self) -> impl DoubleEndedIterator<Item = &Frame> {
+        self.frames.iter()
+    }
+
+    /// What the user should know, oldest first.
+    pub fn notices(&self) -> impl DoubleEndedIterator<Item = &Notice> {
+        self.notices.iter()
+    }
+
+    fn notify(&mut self, severity: Severity, text: String) {
+        if self.notices.len() >= NOTICES_KEPT {
+            self.notices.pop_front();
+        }
+        self.notices.push_back(Notice::now(severity, text));
+    }
+
+    fn module_mut(&mut self, target: &Target) -> Option<&mut Module> {
+        self.modules.iter_mut().find(|module| module.target == *target)
+    }
+}

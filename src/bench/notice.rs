@@ -1,0 +1,24 @@
+//! Messages for the user, kept to look back at.
+
+use jiff::Timestamp;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    Info,
+    Warning,
+    Error,
+}
+
+/// What happened, and what to do about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Notice {
+    pub at: Timestamp,
+    pub severity: Severity,
+    pub text: String,
+}
+
+impl Notice {
+    pub fn now(severity: Severity, text: String) -> Self {
+        Self { at: Timestamp::now(), severity, text }
+    }
+}

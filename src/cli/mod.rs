@@ -1,0 +1,122 @@
+//! The command line: one file per subcommand, each of which opens a line, holds a conversation and prints what came of it.
+//!
+//! The contract: results go to standard output, everything else to standard error; the exit code is 0 on success, 1 when
+//! the line or a module refused or stayed silent, 2 for wrong usage. Standard output that was closed ends quietly with 0.
+
+mod action;
+mod get;
+mod line_args;
+mod names;
+mod output;
+mod parse;
+mod ports;
+mod scan;
+mod send;
+mod session;
+mod set;
+mod show;
+mod simulate;
+mod stop;
+mod watch;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use stop::Stop;
+
+/// The whole command line. Without a subcommand the window opens.
+#[derive(Debug, Parser)]
+#[command(
+    name = "dcon-bench",
+    version,
+    about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules on RS-485 and Ethernet",
+    long_about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules, and others that a definition file describes, \
+                  on RS-485 (DCON, Modbus RTU) and Ethernet (Modbus TCP).\n\nWithout a command the window opens. Results go \
+                  to standard output, progress and messages to standard error.",
+    after_help = EXIT_CODES,
+    after_long_help = format!("{EXIT_CODES}\n\n{EXAMPLES}"),
+    args_conflicts_with_subcommands = true,
+    disable_help_subcommand = true
+)]
+pub struct Cli {
+    /// Open the window with a simulated line, so that everything can be tried without a module
+    #[arg(long)]
+    pub demo: bool,
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 success, 1 the line or a module refused or stayed silent, 2 wrong usage.";
+
+const EXAMPLES: &str = "Examples:
+  dcon-bench --demo                                      the window, with simulated modules
+  dcon-bench ports                                       which serial ports there are
+  dcon-bench scan --port /dev/ttyUSB0                    where a module answers
+  dcon-bench show --port COM3 --address 1                everything a module tells
+  dcon-bench set --port COM3 --address 1 pir_on_time=33  change a parameter
+  dcon-bench watch --tcp 192.168.255.1 --address 1       readings, one line a second";
+
+/// What to do without a window.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List the serial ports
+    Ports(ports::PortsArgs),
+    /// Search a line for modules
+    Scan(scan::ScanArgs),
+    /// Show a module's identity, every parameter and every reading
+    Show(show::ShowArgs),
+    /// Read parameters and readings by name
+    Get(get::GetArgs),
+    /// Write parameters, read them back and report
+    Set(set::SetArgs),
+    /// Carry out an action, such as clearing the alarm
+    Action(action::ActionArgs),
+    /// Send one raw frame and show both directions
+    Send(send::SendArgs),
+    /// Read a module again and again
+    Watch(watch::WatchArgs),
+    /// Simulate modules for other programs
+    Simulate(simulate::SimulateArgs),
+}
+
+/// Carries out a subcommand.
+pub fn run(command: Command) -> ExitCode {
+    let outcome = match command {
+        Command::Ports(args) => ports::run(&args),
+        Command::Scan(args) => scan::run(&args),
+        Command::Show(args) => show::run(&args),
+        Command::Get(args) => get::run(&args),
+        Command::Set(args) => set::run(&args),
+        Command::Action(args) => action::run(&args),
+        Command::Send(args) => send::run(&args),
+        Command::Watch(args) => watch::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(stop) => stop.report(),
+    }
+}
+
+/// What a subcommand comes to.
+type Outcome<T = ()> = Result<T, Stop>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_subcommand_has_a_help_text_with_an_example() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.contains(&format!("dcon-bench {}", command.get_name())), "{}", command.get_name());
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Values of the command line that need more than `FromStr`.
+
+use std::fmt::Display;
+use std::str::FromStr;
+use std::time::Duration;
+
+use crate::protocol::{BaudRate, DataFormat, Protocol};
+
+/// Values separated by commas, each once, in the order given.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct List<T>(pub Vec<T>);
+
+impl<T: PartialEq> List<T> {
+    fn collect<E: Display>(values: impl Iterator<Item = Result<Vec<T>, E>>) -> Result<Self, String> {
+        let mut all = Vec::new();
+        for values in values {
+            for value in values.map_err(|error| error.to_string())? {
+                if !all.contains(&value) {
+                    all.push(value);
+                }
+            }
+        }
+        Ok(Self(all))
+    }
+}
+
+/// `all`, or words separated by commas.
+fn words<T: PartialEq, E: Display>(
+    text: &str,
+    all: &[T],
+    read: impl Fn(&str) -> Result<T, E>,
+) -> Result<List<T>, String>
+where
+    T: Clone,
+{
+    if text.trim().eq_ignore_ascii_case("all") {
+        return Ok(List(all.to_vec()));
+    }
+    List::collect(text.split(',').map(|word| read(word.trim()).map(|value| vec![value])))
+}
+
+/// One address: decimal, or hexadecimal as `0xA0` or `A0h`.
+pub fn address(text: &str) -> Result<u8, String> {
+    let text = text.trim();
+    let prefixed = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+    let hexadecimal = prefixed.or_else(|| text.strip_suffix(['h', 'H']));
+    let plain = hexadecimal.unwrap_or(text);
+    let digits_only = !plain.is_empty() && plain.chars().all(|digit| digit.is_ascii_hexdigit());
+    let number = if hexadecimal.is_some() { u8::from_str_radix(plain, 16).ok() } else { plain.parse().ok() };
+    number.filter(|_| digits_only).ok_or_else(|| {
+        format!("\"{text}\" is not an address: use 0 to 255 in decimal, or hexadecimal as 0xA0 or A0h")
+    })
+}
+
+/// Addresses and ranges of them, `1,160-191`.
+pub fn addresses(text: &str) -> Result<List<u8>, String> {
+    List::collect(text.split(',').map(|part| match part.split_once('-') {
+        None => address(part).map(|address| vec![address]),
+        Some((first, last)) => {
+            let (first, last) = (address(first)?, address(last)?);
+            if first > last {
+                return Err(format!("\"{}\" is an empty range: write the lower address first", part.trim()));
+            }
+            Ok((first..=last).collect())
+        }
+    }))
+}
+
+pub fn baud_rates(text: &str) -> Result<List<BaudRate>, String> {
+    words(text, &BaudRate::ALL, BaudRate::from_str)
+}
+
+pub fn data_formats(text: &str) -> Result<List<DataFormat>, String> {
+    words(text, &DataFormat::ALL, DataFormat::from_str)
+}
+
+pub fn protocols(text: &str) -> Result<List<Protocol>, String> {
+    words(text, &Protocol::SERIAL, serial_protocol)
+}
+
+pub fn checksums(text: &str) -> Result<List<bool>, String> {
+    words(text, &[false, true], |word| match word.to_ascii_lowercase().as_str() {
+        "off" | "false" | "0" => Ok(false),
+        "on" | "true" | "1" => Ok(true),
+        _ => Err(format!("\"{word}\" is not a checksum setting: use off, on or off,on")),
+    })
+}
+
+/// A protocol of serial lines.
+pub fn serial_protocol(text: &str) -> Result<Protocol, String> {
+    let known = Protocol::SERIAL.into_iter().find(|protocol| protocol.word().eq_ignore_ascii_case(text.trim()));
+    known.ok_or_else(|| {
+        let words = Protocol::SERIAL.map(Protocol::word).join(", ");
+        format!("\"{text}\" is not a protocol of serial lines: use {words} (for Modbus TCP give --tcp instead of --port)")
+    })
+}
+
+/// A duration such as `500ms`, `1s`, `2m`; `0` needs no unit.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    match text.trim() {
+        "0" => Ok(Duration::ZERO),
+        text => humantime::parse_duration(text)
+            .map_err(|_| format!("\"{text}\" is not a duration: use a number and a unit, such as 500ms, 1s or 2m")),
+    }
+}
+
+/// How long a scan listens at an address.
+pub fn window(text: &str) -> Result<Duration, String> {
+    const ALLOWED: std::ops::RangeInclusive<Duration> = Duration::from_millis(1)..=Duration::from_secs(10);
+    let window = duration(text)?;
+    if ALLOWED.contains(&window) { Ok(window) } else { Err("use 1ms to 10s".to_owned()) }
+}
+
+/// A new value for a parameter, `NAME=VALUE`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Assignment {
+    pub name: String,
+    pub value: String,
+}
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.split_once('=') {
+            Some((name, value)) if !name.trim().is_empty() => {
+                Ok(Self { name: name.trim().to_owned(), value: value.to_owned() })
+            }
+            _ => Err("write NAME=VALUE, such as pir_on_time=33".to_owned()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_decimal_or_marked_as_hexadecimal() {
+        for (text, number) in [("1", 1), ("160", 160), ("0xA0", 160), ("0Xa0", 160), ("A0h", 160), ("0FFH", 255)] {
+            assert_eq!(address(text), Ok(number), "{text}");
+        }
+        for text in ["", "A0", "256", "-1", "+1", "0x", "h", "0x+1", "1.0"] {
+            assert!(address(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn lists_of_addresses_hold_each_once() {
+        assert_eq!(addresses("1, 0xA0-A2h,161").unwrap().0, [1, 160, 161, 162]);
+        assert_eq!(addresses("0-255").unwrap().0.len(), 256);
+        assert!(addresses("191-160").unwrap_err().contains("empty range"));
+        assert!(addresses("1,,2").is_err());
+    }
+
+    #[test]
+    fn all_stands_for_every_value() {
+        assert_eq!(baud_rates("all").unwrap().0, BaudRate::ALL);
+        assert_eq!(protocols("all").unwrap().0, Protocol::SERIAL);
+        assert_eq!(protocols("dcon,modbus_rtu").unwrap().0, [Protocol::Dcon, Protocol::ModbusRtu]);
+        assert_eq!(checksums("off,on").unwrap().0, [false, true]);
+        assert!(baud_rates("9600,300").unwrap_err().contains("115200"));
+        assert!(protocols("modbus_tcp").unwrap_err().contains("--tcp"));
+    }
+
+    #[test]
+    fn zero_is_a_duration_without_a_unit() {
+        assert_eq!(duration("0"), Ok(Duration::ZERO));
+        assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
+        assert!(duration("5").unwrap_err().contains("unit"));
+        assert!(window("0").is_err());
+    }
+
+    #[test]
+    fn a_value_may_contain_an_equals_sign() {
+        let assignment: Assignment = "wifi_ssid=a=b".parse().unwrap();
+        assert_eq!((assignment.name.as_str(), assignment.value.as_str()), ("wifi_ssid", "a=b"));
+        assert!("=1".parse::<Assignment>().is_err());
+        assert!("do0".parse::<Assignment>().is_err());
+    }
+}
