@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+#[cfg(unix)]
+use dcon_bench::bus::LineAddress;
 use dcon_bench::bus::dialogue::Dialogue;
 use dcon_bench::bus::transaction::Wire;
 use dcon_bench::bus::{Patience, Target};
@@ -10,8 +12,22 @@ use dcon_bench::module::{
     Applies, Catalogue, Definition, Identified, Item, ItemKind, Kind, Value, identify, present_options, read_items,
     run_action, write_item,
 };
+#[cfg(unix)]
+use dcon_bench::protocol::{BaudRate, Failure};
 use dcon_bench::protocol::{LineSettings, Protocol};
 use dcon_bench::sim::{ModuleSpec, Pace, Sim};
+#[cfg(unix)]
+use {dcon_bench::sim::PtyServer, std::time::Duration};
+
+/// What lies between the program and the simulated module.
+#[derive(Clone, Copy)]
+enum Way {
+    /// The simulated line itself, whose time passes without waiting.
+    InMemory,
+    /// The operating system's serial driver, in real time.
+    #[cfg(unix)]
+    PseudoTerminal,
+}
 
 /// A module on a simulated line of its own, and a conversation with it.
 struct Bench {
@@ -19,14 +35,37 @@ struct Bench {
     dialogue: Dialogue,
     target: Target,
     definition: Arc<Definition>,
+    #[cfg(unix)]
+    _server: Option<PtyServer>,
 }
 
 impl Bench {
     fn open(spec: &str) -> Self {
+        Self::open_over(Way::InMemory, spec)
+    }
+
+    fn open_over(way: Way, spec: &str) -> Self {
         let parsed: ModuleSpec = spec.parse().expect("a module specification");
-        let sim = Sim::new(std::slice::from_ref(&parsed), Pace::Skip);
-        let wire = Wire::new(Box::new(sim.line()), parsed.settings, Box::new(|_| {})).expect("a line");
-        let mut dialogue = Dialogue::on_wire(wire).expect("a dialogue");
+        let specs = std::slice::from_ref(&parsed);
+        let (sim, mut dialogue);
+        #[cfg(unix)]
+        let mut server = None;
+        match way {
+            Way::InMemory => {
+                sim = Sim::new(specs, Pace::Skip);
+                let wire = Wire::new(Box::new(sim.line()), parsed.settings, Box::new(|_| {})).expect("a line");
+                dialogue = Dialogue::on_wire(wire).expect("a dialogue");
+            }
+            #[cfg(unix)]
+            Way::PseudoTerminal => {
+                sim = Sim::new(specs, Pace::Real).with_turnaround(Duration::from_micros(500));
+                let pty = PtyServer::open(&sim, None).expect("a pseudo-terminal");
+                let port = LineAddress::Serial { port: pty.path().display().to_string() };
+                // Opened at another speed, so that the first question changes it in place.
+                dialogue = Dialogue::open(&port, LineSettings::default(), Box::new(|_| {})).expect("an open port");
+                server = Some(pty);
+            }
+        }
         let target = Target {
             address: parsed.address,
             protocol: parsed.protocol,
@@ -35,7 +74,14 @@ impl Bench {
         };
         let found = identified(&mut dialogue, target);
         let definition = found.definition.unwrap_or_else(|| panic!("{spec} is not recognised: {}", found.said));
-        Self { sim, dialogue, target, definition }
+        Self {
+            sim,
+            dialogue,
+            target,
+            definition,
+            #[cfg(unix)]
+            _server: server,
+        }
     }
 
     fn items(&mut self) -> Vec<Item> {
@@ -66,13 +112,8 @@ impl Bench {
 fn identified(dialogue: &mut Dialogue, target: Target) -> Identified {
     let (catalogue, errors) = Catalogue::built_in();
     assert_eq!(errors, []);
-    identify(
-        &catalogue,
-        target.protocol,
-        target.address,
-        &mut dialogue.with(target, Patience::CONVERSATION),
-    )
-    .unwrap_or_else(|failure| panic!("{target}: {failure}"))
+    identify(&catalogue, target.protocol, target.address, &mut dialogue.with(target, Patience::CONVERSATION))
+        .unwrap_or_else(|failure| panic!("{target}: {failure}"))
 }
 
 /// Values worth trying: all of a list, the ends and a middle of a range.
@@ -115,11 +156,15 @@ fn prepare(bench: &mut Bench, item: &Item) {
 }
 
 fn every_parameter_round_trips(spec: &str) {
+    every_parameter_round_trips_over(Way::InMemory, spec);
+}
+
+fn every_parameter_round_trips_over(way: Way, spec: &str) {
     let mut written = 0;
-    let items = Bench::open(spec).items();
+    let items = Bench::open_over(way, spec).items();
     for item in items.iter().filter(|item| !item.read_only && item.id != "address") {
         // A module of its own for each, so that a changed speed or protocol cannot disturb the next.
-        let mut bench = Bench::open(spec);
+        let mut bench = Bench::open_over(way, spec);
         prepare(&mut bench, item);
         for value in samples(item, bench.target.protocol) {
             assert_eq!(bench.write(item, &value), value, "{} over {}", item.id, bench.target);
@@ -133,7 +178,7 @@ fn every_parameter_round_trips(spec: &str) {
     }
     assert!(written > 20, "{spec}");
     for item in items.iter().filter(|item| item.read_only) {
-        Bench::open(spec).read(&item.id);
+        Bench::open_over(way, spec).read(&item.id);
     }
 }
 
@@ -191,6 +236,50 @@ fn every_parameter_of_the_pir_130_round_trips_over_modbus_rtu() {
 #[test]
 fn every_parameter_of_the_pir_230_round_trips_over_dcon() {
     every_parameter_round_trips("pir-230@1:dcon:9600");
+}
+
+#[cfg(unix)]
+#[test]
+fn every_parameter_round_trips_through_the_serial_driver_over_modbus_rtu() {
+    every_parameter_round_trips_over(Way::PseudoTerminal, "pir-234@1:modbus_rtu:115200");
+    every_parameter_round_trips_over(Way::PseudoTerminal, "pir-130@0xA0:modbus_rtu:57600");
+}
+
+#[cfg(unix)]
+#[test]
+fn every_parameter_round_trips_through_the_serial_driver_over_dcon() {
+    every_parameter_round_trips_over(Way::PseudoTerminal, "pir-234@1:dcon:115200");
+    every_parameter_round_trips_over(Way::PseudoTerminal, "pir-130@0xA0:dcon:38400");
+}
+
+#[cfg(unix)]
+#[test]
+fn every_parameter_round_trips_through_the_serial_driver_over_dcon_with_checksum() {
+    every_parameter_round_trips_over(Way::PseudoTerminal, "pir-234@1:dcon:115200:checksum");
+    every_parameter_round_trips_over(Way::PseudoTerminal, "pir-130@0xA0:dcon:115200:checksum");
+}
+
+/// The other seven speeds are silence to a module, and the port goes through all of them in place.
+#[cfg(unix)]
+#[test]
+fn one_open_port_reaches_modules_at_every_speed() {
+    let specs: Vec<String> =
+        BaudRate::ALL.iter().enumerate().map(|(i, rate)| format!("pir-234@{}:modbus_rtu:{rate}", i + 1)).collect();
+    let parsed: Vec<ModuleSpec> = specs.iter().map(|spec| spec.parse().expect("a specification")).collect();
+    let sim = Sim::new(&parsed, Pace::Real);
+    let pty = PtyServer::open(&sim, None).expect("a pseudo-terminal");
+    let port = LineAddress::Serial { port: pty.path().display().to_string() };
+    let mut dialogue = Dialogue::open(&port, LineSettings::default(), Box::new(|_| {})).expect("an open port");
+    for spec in &parsed {
+        let (address, protocol, settings) = (spec.address, spec.protocol, spec.settings);
+        let target = Target { address, protocol, settings, checksum: false };
+        assert_eq!(identified(&mut dialogue, target).model(), "pir-234", "{target}");
+        let wrong = BaudRate::ALL[(usize::from(address)) % 8];
+        let deaf = Target { settings: LineSettings { baud_rate: wrong, ..settings }, ..target };
+        let (catalogue, _) = Catalogue::built_in();
+        let mut speaker = dialogue.with(deaf, Patience::scan(Duration::from_millis(60)));
+        assert_eq!(identify(&catalogue, protocol, address, &mut speaker).map(|_| ()), Err(Failure::Silent));
+    }
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub fn item<'a>(definition: &'a Definition, protocol: Protocol, name: &str) -> R
         name: name.to_owned(),
         known: definition.items_over(protocol).map(|item| item.id.clone()).collect(),
     })?;
-    if item.is_offered(protocol) { Ok(item) } else { Err(not_offered(definition, protocol, name)) }
+    if item.is_offered(protocol) { Ok(item) } else { Err(not_offered(protocol, name)) }
 }
 
 /// The item `name` and the value that `text` means for it, if both can be written over `protocol`.
@@ -53,11 +53,11 @@ pub fn action<'a>(definition: &'a Definition, protocol: Protocol, name: &str) ->
         name: name.to_owned(),
         known: definition.actions.iter().filter(|action| action.is_offered(protocol)).map(|a| a.id.clone()).collect(),
     })?;
-    if action.is_offered(protocol) { Ok(action) } else { Err(not_offered(definition, protocol, name)) }
+    if action.is_offered(protocol) { Ok(action) } else { Err(not_offered(protocol, name)) }
 }
 
-fn not_offered(definition: &Definition, protocol: Protocol, name: &str) -> Refusal {
-    Refusal::Refused(format!("{name} is not offered over {} by a {}", protocol.label(), definition.label))
+fn not_offered(protocol: Protocol, name: &str) -> Refusal {
+    Refusal::Refused(format!("{name} is not offered over {}", protocol.label()))
 }
 
 /// Whether `check` passes for some definition; if for none, the reason of one that has the name.

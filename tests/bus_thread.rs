@@ -1,0 +1,292 @@
+//! The bus thread from outside: commands in, events out, on simulated lines.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use dcon_bench::bus::{
+    Bus, BusCommand, BusEvent, Direction, ItemSet, LineAddress, RawRequest, ScanPlan, ScanSummary, Target,
+};
+use dcon_bench::module::{Catalogue, Definition, Identified, Value};
+use dcon_bench::protocol::{BaudRate, DataFormat, Failure, LineSettings, Protocol};
+use dcon_bench::sim::{DEMO, ModuleSpec, Pace, Sim};
+
+/// Longer than anything here takes; only a hang reaches it.
+const LIMIT: Duration = Duration::from_secs(60);
+
+struct Line {
+    bus: Bus,
+    sim: Sim,
+    catalogue: Arc<Catalogue>,
+}
+
+impl Line {
+    fn open(specs: &[&str]) -> Self {
+        let specs: Vec<ModuleSpec> = specs.iter().map(|spec| spec.parse().expect("a specification")).collect();
+        let sim = Sim::new(&specs, Pace::Skip);
+        let catalogue = Arc::new(Catalogue::built_in().0);
+        let bus = Bus::start(catalogue.clone(), || {}).expect("a thread");
+        let line = LineAddress::Simulated { label: "test".into(), sim: sim.clone() };
+        let id = bus.next_id();
+        bus.send(BusCommand::Open { id, line, settings: LineSettings::default() }).expect("room");
+        let this = Self { bus, sim, catalogue };
+        this.until(|event| matches!(event, BusEvent::Opened { .. }).then_some(()));
+        this
+    }
+
+    fn definition(&self, id: &str) -> Arc<Definition> {
+        self.catalogue.get(id).expect("a definition")
+    }
+
+    /// Waits for the first event of which `pick` makes something.
+    fn until<T>(&self, mut pick: impl FnMut(&BusEvent) -> Option<T>) -> T {
+        let deadline = Instant::now() + LIMIT;
+        while Instant::now() < deadline {
+            if let Some(event) = self.bus.wait_event(Duration::from_secs(1)).expect("a living thread")
+                && let Some(found) = pick(&event)
+            {
+                return found;
+            }
+        }
+        panic!("the event did not come within {LIMIT:?}");
+    }
+
+    fn scan(&self, plan: ScanPlan) -> (Vec<(Target, Identified)>, ScanSummary) {
+        let id = self.bus.next_id();
+        self.bus.send(BusCommand::Scan { id, plan }).expect("room");
+        let mut found = Vec::new();
+        let summary = self.until(|event| match event {
+            BusEvent::Found { target, identified, .. } => {
+                found.push((*target, identified.clone()));
+                None
+            }
+            BusEvent::ScanEnded { summary, .. } => Some(summary.clone()),
+            _ => None,
+        });
+        (found, summary)
+    }
+
+    fn read(&self, target: Target, definition: &Arc<Definition>, name: &str) -> Result<Value, Failure> {
+        let id = self.bus.next_id();
+        let items = ItemSet::Named(vec![name.into()]);
+        self.bus.send(BusCommand::Read { id, target, definition: definition.clone(), items }).expect("room");
+        self.until(|event| match event {
+            BusEvent::Read { id: answered, values, .. } if *answered == id => values.first().map(|(_, v)| v.clone()),
+            _ => None,
+        })
+    }
+}
+
+fn target(spec: &str) -> Target {
+    let spec: ModuleSpec = spec.parse().expect("a specification");
+    Target { address: spec.address, protocol: spec.protocol, settings: spec.settings, checksum: spec.checksum }
+}
+
+fn models(found: &[(Target, Identified)]) -> Vec<(u8, String)> {
+    let mut models: Vec<_> = found.iter().map(|(target, who)| (target.address, who.model().to_owned())).collect();
+    models.sort();
+    models
+}
+
+#[test]
+fn the_quick_scan_finds_the_likely_modules_and_only_them() {
+    let line = Line::open(DEMO);
+    let (found, summary) = line.scan(ScanPlan::quick());
+    let expected = [(1, "pir-234"), (0xA0, "pir-130"), (0xA3, "pir-234")].map(|(a, m)| (a, m.to_owned()));
+    assert_eq!(models(&found), expected);
+    assert_eq!((summary.done, summary.total, summary.found), (66, 66, 3));
+    assert_eq!(summary.unreadable, []);
+}
+
+#[test]
+fn a_wide_scan_finds_modules_at_any_speed_format_protocol_and_checksum() {
+    let specs = ["pir-234@7:modbus_rtu:115200:e81", "pir-130@0x12:dcon:19200:checksum", "pir-234@200:dcon:1200:n82", "unknown@17"];
+    let line = Line::open(&specs);
+    let plan = ScanPlan {
+        addresses: vec![7, 0x12, 17, 200],
+        baud_rates: BaudRate::ALL.to_vec(),
+        data_formats: DataFormat::ALL.to_vec(),
+        checksums: vec![false, true],
+        ..ScanPlan::quick()
+    };
+    let (found, summary) = line.scan(plan);
+    let mut targets: Vec<_> = found.iter().map(|(target, _)| *target).collect();
+    targets.sort();
+    let mut expected: Vec<_> = specs.iter().map(|spec| target(spec)).collect();
+    expected.sort();
+    assert_eq!(targets, expected);
+    assert_eq!(summary.done, 4 * 8 * 4 * 3);
+    let stranger = found.iter().find(|(target, _)| target.address == 17).expect("the stranger");
+    assert_eq!(stranger.1.model(), "unknown");
+    assert!(stranger.1.said.contains("exception 2"), "{}", stranger.1.said);
+}
+
+#[test]
+fn stop_at_the_first_ends_the_scan_there() {
+    let line = Line::open(DEMO);
+    let (found, summary) = line.scan(ScanPlan { stop_at_first: true, ..ScanPlan::quick() });
+    assert_eq!((found.len(), summary.done), (1, 1));
+}
+
+#[test]
+fn a_scan_can_be_held_and_cancelled_and_what_was_found_stays() {
+    let line = Line::open(DEMO);
+    let id = line.bus.next_id();
+    line.bus.send(BusCommand::Scan { id, plan: ScanPlan::full() }).expect("room");
+    line.until(|event| matches!(event, BusEvent::Found { .. }).then_some(()));
+    line.bus.send(BusCommand::PauseScan(true)).expect("room");
+    let held = line.until(|event| match event {
+        BusEvent::ScanProgress { progress, .. } if progress.paused => Some(progress.done),
+        _ => None,
+    });
+    line.bus.send(BusCommand::PauseScan(false)).expect("room");
+    line.until(|event| matches!(event, BusEvent::ScanProgress { progress, .. } if progress.done > held).then_some(()));
+    line.bus.send(BusCommand::CancelScan).expect("room");
+    let summary = line.until(|event| match event {
+        BusEvent::ScanEnded { summary, .. } => Some(summary.clone()),
+        _ => None,
+    });
+    assert!(summary.cancelled && summary.done < summary.total && summary.found >= 1, "{summary:?}");
+}
+
+#[test]
+fn echo_noise_and_a_dead_module_neither_hide_modules_nor_invent_any() {
+    let line = Line::open(&["pir-234@1:modbus_rtu", "pir-130@0xA1:dcon", "pir-130@0xA5:modbus_rtu"]);
+    line.sim.set_echo(true);
+    line.sim.set_noise(&[0x00, 0xFF], &[0xFF]);
+    line.sim.set_dead(0xA5, true);
+    let (found, summary) = line.scan(ScanPlan::quick());
+    assert_eq!(models(&found), [(1, "pir-234".to_owned()), (0xA1, "pir-130".to_owned())]);
+    assert_eq!(summary.done, summary.total);
+}
+
+#[test]
+fn two_modules_at_one_address_are_reported_as_unreadable_not_as_a_module() {
+    let line = Line::open(&["pir-234@1:dcon", "pir-130@1:dcon"]);
+    let plan = ScanPlan { addresses: vec![1], protocols: vec![Protocol::Dcon], ..ScanPlan::quick() };
+    let (found, summary) = line.scan(plan);
+    assert!(found.iter().all(|(_, who)| who.model() == "unknown"), "{found:?}");
+    assert!(!summary.unreadable.is_empty() || !found.is_empty(), "{summary:?}");
+}
+
+#[test]
+fn a_watched_module_is_read_again_and_again_until_it_is_let_go() {
+    let line = Line::open(&["pir-234@1"]);
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    let id = line.bus.next_id();
+    let interval = Duration::from_millis(1);
+    line.bus.send(BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval }).expect("room");
+    line.sim.set_temperature(1, 24.99);
+    let mut readings = 0;
+    line.until(|event| match event {
+        BusEvent::Read { values, .. } => {
+            readings += 1;
+            let warm = values.iter().any(|(id, v)| id == "temperature_c" && v.as_ref().is_ok_and(|v| v.to_string() == "24.99"));
+            (readings > 5 && warm).then_some(())
+        }
+        _ => None,
+    });
+    line.bus.send(BusCommand::Unwatch { target }).expect("room");
+    let temperature = line.read(target, &line.definition("pir-234"), "temperature_c");
+    assert_eq!(temperature.expect("a value").to_string(), "24.99");
+    let after = line.sim.requests();
+    line.read(target, &line.definition("pir-234"), "humidity").expect("a value");
+    assert_eq!(line.sim.requests(), after + 1, "nothing but what was asked for is sent");
+}
+
+#[test]
+fn a_write_changes_the_module_and_is_told_as_the_module_then_says() {
+    let line = Line::open(&["pir-234@1"]);
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    let value = definition.item("pir_on_time").expect("an item").parse("66").expect("a value");
+    let id = line.bus.next_id();
+    let item = "pir_on_time".to_owned();
+    line.bus.send(BusCommand::Write { id, target, definition, item, value: value.clone() }).expect("room");
+    let result = line.until(|event| match event {
+        BusEvent::Written { result, .. } => Some(result.clone()),
+        _ => None,
+    });
+    assert_eq!(result, Ok(value));
+    assert_eq!(line.sim.setting(1, "pir_on_time").as_deref(), Some("66"));
+}
+
+#[test]
+fn a_write_that_stays_without_answer_is_sent_once_and_its_outcome_is_said_to_be_unknown() {
+    let line = Line::open(&["pir-234@1"]);
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    line.sim.set_dead(1, true);
+    let before = line.sim.requests();
+    let value = definition.item("pir_on_time").expect("an item").parse("66").expect("a value");
+    let id = line.bus.next_id();
+    let item = "pir_on_time".to_owned();
+    line.bus.send(BusCommand::Write { id, target, definition, item, value }).expect("room");
+    let mut writes = 0;
+    let result = line.until(|event| match event {
+        BusEvent::Traffic(frame) => {
+            writes += u32::from(frame.direction == Direction::Sent && frame.bytes.get(1) == Some(&6));
+            None
+        }
+        BusEvent::Written { result, .. } => Some(result.clone()),
+        _ => None,
+    });
+    let error = result.expect_err("nobody answered").to_string();
+    assert!(error.contains("not known"), "{error}");
+    assert_eq!(writes, 1);
+    assert!(line.sim.requests() > before);
+}
+
+#[test]
+fn a_pulled_adapter_is_told_and_polling_goes_on_when_it_returns() {
+    let line = Line::open(&["pir-234@1"]);
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    let id = line.bus.next_id();
+    let interval = Duration::from_millis(5);
+    line.bus.send(BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval }).expect("room");
+    line.until(|event| matches!(event, BusEvent::Read { .. }).then_some(()));
+    line.sim.unplug();
+    line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
+    line.sim.plug();
+    line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+    line.until(|event| match event {
+        BusEvent::Read { values, .. } => values.iter().all(|(_, value)| value.is_ok()).then_some(()),
+        _ => None,
+    });
+}
+
+#[test]
+fn bytes_pass_the_tap_in_order_with_their_times() {
+    let line = Line::open(&["pir-130@2:dcon"]);
+    let id = line.bus.next_id();
+    let request = RawRequest::Dcon { text: "$02M".into(), checksum: false };
+    line.bus.send(BusCommand::Raw { id, request, settings: LineSettings::default() }).expect("room");
+    let mut frames = Vec::new();
+    let answer = line.until(|event| match event {
+        BusEvent::Traffic(frame) => {
+            frames.push(frame.clone());
+            None
+        }
+        BusEvent::RawAnswer { result, .. } => Some(result.clone()),
+        _ => None,
+    });
+    assert_eq!(answer, Ok(b"!02PIR130".to_vec()));
+    let seen: Vec<_> = frames.iter().map(|frame| (frame.direction, frame.bytes.as_slice())).collect();
+    assert_eq!(seen, [(Direction::Sent, &b"$02M\r"[..]), (Direction::Received, &b"!02PIR130\r"[..])]);
+    assert!(frames[0].at < frames[1].at);
+}
+
+#[test]
+fn a_1200_bps_exchange_does_not_time_out() {
+    let line = Line::open(&["pir-234@1:dcon:1200"]);
+    let value = line.read(target("pir-234@1:dcon:1200"), &line.definition("pir-234"), "alarm_limit");
+    assert!(value.is_ok(), "{value:?}");
+}
+
+#[test]
+fn a_port_that_is_not_there_is_told_with_what_to_do() {
+    let bus = Bus::start(Arc::new(Catalogue::built_in().0), || {}).expect("a thread");
+    let id = bus.next_id();
+    let line = LineAddress::Serial { port: "/dev/no-such-port".into() };
+    bus.send(BusCommand::Open { id, line, settings: LineSettings::default() }).expect("room");
+    let event = bus.wait_event(LIMIT).expect("a living thread").expect("an event");
+    let BusEvent::OpenFailed { problem, .. } = event else { panic!("{event:?}") };
+    assert!(problem.to_string().contains("There is no port /dev/no-such-port"), "{problem}");
+}
