@@ -4,6 +4,7 @@
 
 pub mod bench;
 pub mod bus;
+pub mod cli;
 pub mod folders;
 pub mod module;
 pub mod protocol;

@@ -1,8 +1,23 @@
 //! The wire as the transaction sees it: bytes out, bytes in, and the clock they are timed by.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::protocol::LineSettings;
+
+/// An operating system wakes a sleeper late; the end of a wait is watched instead, so that pauses of a millisecond or
+/// two between frames do not grow by a tenth.
+const WATCHED: Duration = Duration::from_micros(150);
+
+/// Sleeps until `instant`, exactly to some microseconds where the system lets the thread run.
+pub fn sleep_until(instant: Instant) {
+    let asleep = instant.saturating_duration_since(Instant::now()).saturating_sub(WATCHED);
+    if !asleep.is_zero() {
+        std::thread::sleep(asleep);
+    }
+    while Instant::now() < instant {
+        std::thread::yield_now();
+    }
+}
 
 /// The line itself failed, not the module at its end: the port is gone and has to be opened again.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, SerialPortType, StopBits};
 
-use super::line::{Line, LineLost};
+use super::line::{Line, LineLost, sleep_until};
 use super::problem::LineProblem;
 use crate::protocol::{DataFormat, LineSettings};
 
@@ -140,6 +140,6 @@ impl Line for SerialLine {
     }
 
     fn wait_until(&mut self, instant: Instant) {
-        std::thread::sleep(instant.saturating_duration_since(Instant::now()));
+        sleep_until(instant);
     }
 }

@@ -11,6 +11,7 @@ use crate::protocol::Protocol;
 /// Options of `action`.
 #[derive(Debug, Clone, Args)]
 #[command(
+    about = "Carry out an action, such as clearing the alarm",
     long_about = "Carry out an action, once. Which there are depends on the module: an unknown name lists them.\n\nActions \
                   that interrupt the module's work, such as reboot, need --yes.",
     after_help = "Examples:\n  dcon-bench action --port /dev/ttyUSB0 --address 1 clear_alarm\n  dcon-bench action --port \
@@ -18,16 +19,16 @@ use crate::protocol::Protocol;
                   reboot --yes"
 )]
 pub struct ActionArgs {
-    #[command(flatten)]
-    line: LineArgs,
-    #[command(flatten)]
-    module: ModuleArgs,
     /// Name of the action
     #[arg(value_name = "NAME")]
     name: String,
     /// Do it without asking, where an action needs to be confirmed
     #[arg(long)]
     yes: bool,
+    #[command(flatten)]
+    line: LineArgs,
+    #[command(flatten)]
+    module: ModuleArgs,
 }
 
 pub fn run(args: &ActionArgs) -> Outcome {

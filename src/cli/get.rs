@@ -12,6 +12,7 @@ use crate::bus::ItemSet;
 /// Options of `get`.
 #[derive(Debug, Clone, Args)]
 #[command(
+    about = "Read parameters and readings by name",
     long_about = "Read parameters and readings by name; `show` lists the names in its last column.\n\nA value that could \
                   not be read is shown as – (null in JSON) with the reason on standard error, and makes the exit code 1. \
                   reset_status is cleared by reading it.",
@@ -19,16 +20,16 @@ use crate::bus::ItemSet;
                   --tcp 192.168.255.1 --address 1 alarm_limit --json"
 )]
 pub struct GetArgs {
-    #[command(flatten)]
-    line: LineArgs,
-    #[command(flatten)]
-    module: ModuleArgs,
     /// Names of parameters and readings
     #[arg(required = true, value_name = "NAME")]
     names: Vec<String>,
     /// Print one object with a value for each name
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    line: LineArgs,
+    #[command(flatten)]
+    module: ModuleArgs,
 }
 
 pub fn run(args: &GetArgs) -> Outcome {

@@ -15,6 +15,7 @@ mod send;
 mod session;
 mod set;
 mod show;
+mod signals;
 mod simulate;
 mod stop;
 mod watch;
@@ -60,23 +61,14 @@ const EXAMPLES: &str = "Examples:
 /// What to do without a window.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List the serial ports
     Ports(ports::PortsArgs),
-    /// Search a line for modules
     Scan(scan::ScanArgs),
-    /// Show a module's identity, every parameter and every reading
     Show(show::ShowArgs),
-    /// Read parameters and readings by name
     Get(get::GetArgs),
-    /// Write parameters, read them back and report
     Set(set::SetArgs),
-    /// Carry out an action, such as clearing the alarm
     Action(action::ActionArgs),
-    /// Send one raw frame and show both directions
     Send(send::SendArgs),
-    /// Read a module again and again
     Watch(watch::WatchArgs),
-    /// Simulate modules for other programs
     Simulate(simulate::SimulateArgs),
 }
 

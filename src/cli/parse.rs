@@ -1,6 +1,7 @@
 //! Values of the command line that need more than `FromStr`.
 
 use std::fmt::Display;
+use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -47,9 +48,9 @@ pub fn address(text: &str) -> Result<u8, String> {
     let plain = hexadecimal.unwrap_or(text);
     let digits_only = !plain.is_empty() && plain.chars().all(|digit| digit.is_ascii_hexdigit());
     let number = if hexadecimal.is_some() { u8::from_str_radix(plain, 16).ok() } else { plain.parse().ok() };
-    number.filter(|_| digits_only).ok_or_else(|| {
-        format!("\"{text}\" is not an address: use 0 to 255 in decimal, or hexadecimal as 0xA0 or A0h")
-    })
+    number
+        .filter(|_| digits_only)
+        .ok_or_else(|| format!("\"{text}\" is not an address: use 0 to 255 in decimal, or hexadecimal as 0xA0 or A0h"))
 }
 
 /// Addresses and ranges of them, `1,160-191`.
@@ -91,7 +92,9 @@ pub fn serial_protocol(text: &str) -> Result<Protocol, String> {
     let known = Protocol::SERIAL.into_iter().find(|protocol| protocol.word().eq_ignore_ascii_case(text.trim()));
     known.ok_or_else(|| {
         let words = Protocol::SERIAL.map(Protocol::word).join(", ");
-        format!("\"{text}\" is not a protocol of serial lines: use {words} (for Modbus TCP give --tcp instead of --port)")
+        format!(
+            "\"{text}\" is not a protocol of serial lines: use {words} (for Modbus TCP give --tcp instead of --port)"
+        )
     })
 }
 
@@ -106,9 +109,35 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 
 /// How long a scan listens at an address.
 pub fn window(text: &str) -> Result<Duration, String> {
-    const ALLOWED: std::ops::RangeInclusive<Duration> = Duration::from_millis(1)..=Duration::from_secs(10);
-    let window = duration(text)?;
-    if ALLOWED.contains(&window) { Ok(window) } else { Err("use 1ms to 10s".to_owned()) }
+    duration_within(text, Duration::from_millis(1), Duration::from_secs(10))
+}
+
+/// Time from one set of readings to the next.
+pub fn interval(text: &str) -> Result<Duration, String> {
+    duration_within(text, Duration::ZERO, Duration::from_secs(24 * 60 * 60))
+}
+
+/// How long a simulated module takes to answer.
+pub fn turnaround(text: &str) -> Result<Duration, String> {
+    duration_within(text, Duration::ZERO, Duration::from_secs(10))
+}
+
+fn duration_within(text: &str, least: Duration, most: Duration) -> Result<Duration, String> {
+    let given = duration(text)?;
+    if (least..=most).contains(&given) {
+        return Ok(given);
+    }
+    Err(format!("use {} to {}", humantime::format_duration(least), humantime::format_duration(most)))
+}
+
+/// Where to listen: an address with a port, or a port alone, which only this computer reaches.
+pub fn listen(text: &str) -> Result<SocketAddr, String> {
+    let text = text.trim();
+    if let Ok(port) = text.trim_start_matches(':').parse::<u16>() {
+        return Ok(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    }
+    let found = text.to_socket_addrs().ok().and_then(|mut addresses| addresses.next());
+    found.ok_or_else(|| format!("\"{text}\" is not an address and a port such as 127.0.0.1:1502"))
 }
 
 /// A new value for a parameter, `NAME=VALUE`.
@@ -168,7 +197,15 @@ mod tests {
         assert_eq!(duration("0"), Ok(Duration::ZERO));
         assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
         assert!(duration("5").unwrap_err().contains("unit"));
-        assert!(window("0").is_err());
+        assert!(window("0").unwrap_err().contains("1ms to 10s"));
+        assert!(interval("100d").is_err());
+    }
+
+    #[test]
+    fn only_this_computer_is_served_unless_told_otherwise() {
+        assert_eq!(listen("1502").unwrap().to_string(), "127.0.0.1:1502");
+        assert_eq!(listen("0.0.0.0:1502").unwrap().to_string(), "0.0.0.0:1502");
+        assert!(listen("nowhere").is_err());
     }
 
     #[test]

@@ -2,13 +2,14 @@
 
 use clap::Args;
 
-use super::output::{self, Table};
 use super::Outcome;
+use super::output::{self, Table};
 use crate::bus::{self, PortInfo};
 
 /// Options of `ports`.
 #[derive(Debug, Clone, Args)]
 #[command(
+    about = "List the serial ports",
     long_about = "List the serial ports that are there, USB adapters first, and why one of them cannot be opened where \
                   that is known.",
     after_help = "Examples:\n  dcon-bench ports\n  dcon-bench ports --json"

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::Outcome;
 use super::line_args::LineArgs;
 use super::output::{self, ModuleObject};
 use super::parse::{self, List};
 use super::session::{self, Session};
 use super::stop::Stop;
-use super::Outcome;
 use crate::bus::{BusCommand, BusEvent, ScanPlan, ScanSummary, Target};
 use crate::module::Identified;
 use crate::protocol::{BaudRate, DataFormat, Protocol};
@@ -20,6 +20,7 @@ use progress::Progress;
 /// Options of `scan`.
 #[derive(Debug, Clone, Args)]
 #[command(
+    about = "Search a line for modules",
     long_about = "Search a line for modules, with questions that change nothing.\n\nThe quick scan asks where modules are \
                   out of the box: address 1 and those that the DIP and rotary switches give (160 to 191), in both \
                   protocols at 9600 N81. The full scan asks at every address, speed, data format, protocol and checksum, \
@@ -30,8 +31,6 @@ use progress::Progress;
                   --tcp 192.168.255.1 --addresses 1-10"
 )]
 pub struct ScanArgs {
-    #[command(flatten)]
-    line: LineArgs,
     /// Addresses to ask: numbers and ranges, decimal or hexadecimal as 0xA0 or A0h
     #[arg(long, value_name = "1,160-191", value_parser = parse::addresses)]
     addresses: Option<List<u8>>,
@@ -62,6 +61,8 @@ pub struct ScanArgs {
     /// Print one object a line for each module, as it is found
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    line: LineArgs,
 }
 
 impl ScanArgs {
@@ -137,7 +138,8 @@ fn print_found(target: &Target, identified: &Identified, json: bool) -> Outcome 
     let model = definition.as_ref().map_or("unknown", |definition| definition.label.as_str());
     let name = if definition.is_none() { said } else { name };
     let protocol = protocol.label();
-    let text = format!("{address:>3} ({address:02X}h)  {protocol:10}  {line:10}  {checksum:8}  {model:8}  {name}  {firmware}");
+    let text =
+        format!("{address:>3} ({address:02X}h)  {protocol:10}  {line:10}  {checksum:8}  {model:8}  {name}  {firmware}");
     output::line(text.trim_end())
 }
 
@@ -156,7 +158,8 @@ fn report(summary: &ScanSummary) {
 
 fn nothing_found(args: &ScanArgs) -> String {
     if args.line.is_tcp() {
-        return "no module answered – check the NetID (--addresses 1-247 asks all) and that the module has power".to_owned();
+        return "no module answered – check the NetID (--addresses 1-247 asks all) and that the module has power"
+            .to_owned();
     }
     let mut advice = vec![
         "no module answered. Check that".to_owned(),
@@ -164,12 +167,18 @@ fn nothing_found(args: &ScanArgs) -> String {
         "  – D+ and D- are not swapped".to_owned(),
     ];
     match args.protocols.as_ref().map(|list| list.0.as_slice()) {
-        Some([Protocol::Dcon]) => advice.push("  – it does not speak the other protocol: --protocols modbus_rtu".to_owned()),
-        Some([Protocol::ModbusRtu]) => advice.push("  – it does not speak the other protocol: --protocols dcon".to_owned()),
+        Some([Protocol::Dcon]) => {
+            advice.push("  – it does not speak the other protocol: --protocols modbus_rtu".to_owned())
+        }
+        Some([Protocol::ModbusRtu]) => {
+            advice.push("  – it does not speak the other protocol: --protocols dcon".to_owned())
+        }
         _ => {}
     }
     if !args.full {
-        advice.push("  – it does not have another address, speed, data format or checksum: --full asks everywhere".to_owned());
+        advice.push(
+            "  – it does not have another address, speed, data format or checksum: --full asks everywhere".to_owned(),
+        );
     }
     advice.join("\n")
 }

@@ -190,7 +190,9 @@ impl Module {
 fn not_identified(target: &Target, failure: &Failure) -> String {
     match failure {
         Failure::Silent if target.protocol == Protocol::ModbusTcp => {
-            format!("no module answers at {target} – check its NetID (--address; 1 unless changed) and that it has power")
+            format!(
+                "no module answers at {target} – check its NetID (--address; 1 unless changed) and that it has power"
+            )
         }
         Failure::Silent => {
             let other = if target.protocol == Protocol::Dcon { "modbus_rtu" } else { "dcon" };
@@ -209,5 +211,7 @@ fn not_identified(target: &Target, failure: &Failure) -> String {
 fn unknown(target: &Target, identified: &Identified) -> String {
     let said = if identified.said.is_empty() { "nothing about itself" } else { identified.said.as_str() };
     let place = folders::definitions().map(|folder| format!(" (a file in {})", folder.display())).unwrap_or_default();
-    format!("the module at {target} is not known, so nothing more was asked of it – it said: {said}; a module definition{place} can describe it")
+    format!(
+        "the module at {target} is not known, so nothing more was asked of it – it said: {said}; a module definition{place} can describe it"
+    )
 }

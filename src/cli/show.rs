@@ -3,17 +3,18 @@
 use clap::Args;
 use serde::Serialize;
 
+use super::Outcome;
 use super::line_args::{LineArgs, ModuleArgs};
 use super::output::{self, ModuleObject, Table, ValuesObject};
 use super::session::Module;
 use super::stop::Stop;
-use super::Outcome;
 use crate::bus::{ItemSet, Values};
 use crate::module::{Item, ItemKind};
 
 /// Options of `show`.
 #[derive(Debug, Clone, Args)]
 #[command(
+    about = "Show a module's identity, every parameter and every reading",
     long_about = "Show a module's identity, every parameter and every reading.\n\nWhat the protocol does not offer is \
                   left out, and so is what reading would change (reset_status: `get` reads it). A value that the module \
                   refuses to tell is shown as – (null in JSON) with the reason on standard error; a module that falls \
@@ -22,13 +23,13 @@ use crate::module::{Item, ItemKind};
                   19200 --address 0xA0 --protocol dcon --checksum\n  dcon-bench show --tcp 192.168.255.1 --address 1 --json"
 )]
 pub struct ShowArgs {
+    /// Print one object with module, parameters and readings
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     line: LineArgs,
     #[command(flatten)]
     module: ModuleArgs,
-    /// Print one object with module, parameters and readings
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -45,7 +46,11 @@ fn is_parameter(item: &Item) -> bool {
 pub fn run(args: &ShowArgs) -> Outcome {
     let module = Module::open(&args.line, &args.module, |_, _| Ok(()))?;
     let values = module.session.read(module.target, &module.definition, ItemSet::All)?;
-    if args.json { print_object(&module, &values)? } else { print_tables(&module, &values)? }
+    if args.json {
+        print_object(&module, &values)?
+    } else {
+        print_tables(&module, &values)?
+    }
     output::report_missing(&values);
     let refused = |failure: &crate::protocol::Failure| failure.shows_presence();
     let told_all = values.iter().all(|(_, result)| result.as_ref().err().is_none_or(refused));
@@ -54,9 +59,8 @@ pub fn run(args: &ShowArgs) -> Outcome {
 }
 
 fn print_object(module: &Module, values: &Values) -> Outcome {
-    let kind = |wanted: fn(&Item) -> bool| {
-        ValuesObject::of(values, move |id| module.definition.item(id).is_some_and(wanted))
-    };
+    let kind =
+        |wanted: fn(&Item) -> bool| ValuesObject::of(values, move |id| module.definition.item(id).is_some_and(wanted));
     output::json(&ShowObject {
         module: ModuleObject::new(&module.target, &module.identified),
         parameters: kind(is_parameter),

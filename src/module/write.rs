@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use super::access;
-use super::definition::{
-    Access, Action, Applies, CommandAccess, Definition, Item, Kind, ModbusAccess, ModbusPlace,
-};
+use super::definition::{Access, Action, Applies, CommandAccess, Definition, Item, Kind, ModbusAccess, ModbusPlace};
 use super::notation::{Fields, Template};
 use super::read::read_items;
 use super::value::{Fixed, Value, ValueError};
@@ -57,7 +55,12 @@ pub fn write_item(
             Ok(found) if found == *value => Ok(found),
             Ok(found) => {
                 let (id, wanted) = (item.id.clone(), value.clone());
-                Err(WriteError::Differs { id, wanted, found, hint: hint(item, "the DIP switches may rule (DIP 2 OFF)") })
+                Err(WriteError::Differs {
+                    id,
+                    wanted,
+                    found,
+                    hint: hint(item, "the DIP switches may rule (DIP 2 OFF)"),
+                })
             }
             Err(failure) => Err(WriteError::NotVerified { id: item.id.clone(), failure }),
         },
@@ -189,7 +192,8 @@ fn command_write(
         let read = ask.ask(&query).and_then(|reply| access::read_fields(command, address, &reply));
         fields = read.map_err(|failure| WriteError::ReadFirst { id: item.id.clone(), failure })?;
     }
-    let text = field_text(item, access, template.width(&target), &fields, &target, value, command.fields.get(&access.field))?;
+    let text =
+        field_text(item, access, template.width(&target), &fields, &target, value, command.fields.get(&access.field))?;
     fields.insert(target, text);
     let mut from = vec![address];
     from.extend(moves_to(item, value));
@@ -261,9 +265,7 @@ fn modbus_write(
     let raw = || access::raw_of_value(item, value, protocol, access.inverted);
     match access.place {
         ModbusPlace::Input { .. } => Err(ValueError::ReadOnly { id: item.id.clone() }.into()),
-        ModbusPlace::Coils { first, count: 1 } => {
-            Ok(Query::WriteCoil { at: first.saturating_sub(1), on: raw()? != 0 })
-        }
+        ModbusPlace::Coils { first, count: 1 } => Ok(Query::WriteCoil { at: first.saturating_sub(1), on: raw()? != 0 }),
         ModbusPlace::Coils { first, count } => {
             let raw = raw()?;
             let values = (0..count).map(|bit| raw.checked_shr(u32::from(bit)).unwrap_or(0) & 1 == 1).collect();
@@ -302,7 +304,9 @@ fn word(item: &Item, access: &ModbusAccess, protocol: Protocol, value: &Value, r
             id: item.id.clone(),
             given: value.to_string(),
             protocol: protocol.label().to_owned(),
-            allowed: format!("{} to {} {}", Fixed::new(low, decimals), Fixed::new(high, decimals), item.unit),
+            allowed: format!("{} to {} {}", Fixed::new(low, decimals), Fixed::new(high, decimals), item.unit)
+                .trim_end()
+                .to_owned(),
         })
     })
 }
@@ -338,4 +342,3 @@ pub fn run_action(action: &Action, protocol: Protocol, address: u8, ask: &mut dy
         }
     }
 }
-

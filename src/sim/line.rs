@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::bus::line::{Line, LineLost};
+use crate::bus::line::{Line, LineLost, sleep_until};
 use crate::protocol::LineSettings;
 
 use super::handle::Sim;
@@ -77,7 +77,8 @@ impl SimLine {
             if left.is_zero() {
                 return Ok(());
             }
-            std::thread::sleep(left.min(LONGEST_NAP));
+            let now = Instant::now();
+            sleep_until(now.checked_add(left.min(LONGEST_NAP)).unwrap_or(now));
         }
     }
 }

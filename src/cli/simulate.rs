@@ -1,0 +1,97 @@
+//! `simulate`: modules for other programs to talk to.
+
+use std::net::SocketAddr;
+#[cfg(unix)]
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::signals::Interrupt;
+use super::stop::Stop;
+use super::{Outcome, output, parse};
+#[cfg(unix)]
+use crate::sim::PtyServer;
+use crate::sim::{DEMO, ModuleSpec, Pace, Sim, TcpServer};
+
+/// Options of `simulate`.
+#[derive(Debug, Clone, Args)]
+#[command(
+    about = "Simulate modules for other programs",
+    long_about = "Simulate modules on a serial line, and those with Ethernet over Modbus TCP too, until interrupted.\n\nThe \
+                  serial line is a pseudo-terminal that any program can open as a port (not on Windows); it hears only what \
+                  is sent at a module's speed, while the data format cannot be seen on it. Where to connect is printed on \
+                  standard output: `pty PATH` and `tcp HOST:PORT`.\n\nA module is MODEL@ADDRESS, followed by any of a \
+                  protocol (modbus_rtu, dcon), a speed, a data format (n81, n82, e81, o81), checksum, init (DIP 4 ON) and \
+                  hardware (DIP 2 OFF), each after a colon. Models are pir-130, pir-230, pir-234, pir-234-wf and unknown. \
+                  What is left out has its factory value: modbus_rtu:9600:n81. Without any module, those of --demo are \
+                  simulated.",
+    after_help = "Examples:\n  dcon-bench simulate\n  dcon-bench simulate --pty /tmp/line pir-234@1:modbus_rtu:9600 \
+                  pir-130@0xA0:dcon:19200:checksum\n  dcon-bench simulate --tcp 127.0.0.1:1502 pir-234@1"
+)]
+pub struct SimulateArgs {
+    /// Modules, such as pir-234@1:modbus_rtu:9600 or pir-130@0xA0:dcon:19200:checksum
+    #[arg(value_name = "MODULE-SPEC")]
+    modules: Vec<ModuleSpec>,
+    /// Make a serial line, and PATH a link to it; without --tcp there is a serial line anyway
+    #[cfg(unix)]
+    #[arg(long, value_name = "PATH")]
+    pty: Option<PathBuf>,
+    /// Serve Modbus TCP here: ADDRESS:PORT, or only PORT for this computer alone; port 0 takes a free one
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = parse::listen)]
+    tcp: Option<SocketAddr>,
+    /// How long a module takes to answer, to which its response delay is added
+    #[arg(long, value_name = "DURATION", default_value = "5ms", value_parser = parse::turnaround)]
+    turnaround: Duration,
+}
+
+pub fn run(args: &SimulateArgs) -> Outcome {
+    // Caught before anyone can know that there is something to end.
+    let interrupt = Interrupt::catch()?;
+    let specs = match args.modules.as_slice() {
+        [] => DEMO.iter().filter_map(|text| text.parse().ok()).collect(),
+        given => given.to_vec(),
+    };
+    let sim = Sim::new(&specs, Pace::Real).with_turnaround(args.turnaround);
+    let _serial = serve_serial(args, &sim)?;
+    let _tcp = args.tcp.map(|address| serve_tcp(&sim, address, &specs)).transpose()?;
+    for spec in &specs {
+        output::message(&format!("simulating {spec}"));
+    }
+    interrupt.wait();
+    Ok(())
+}
+
+#[cfg(unix)]
+fn serve_serial(args: &SimulateArgs, sim: &Sim) -> Outcome<Option<PtyServer>> {
+    if args.pty.is_none() && args.tcp.is_some() {
+        return Ok(None);
+    }
+    let server = PtyServer::open(sim, args.pty.as_deref()).map_err(|error| {
+        let link = args.pty.as_ref().map(|path| format!(" {}", path.display())).unwrap_or_default();
+        Stop::failed(format!("the serial line{link} could not be made: {error}"))
+    })?;
+    let path = args.pty.as_deref().unwrap_or(server.path());
+    output::line(&format!("pty {}", path.display()))?;
+    Ok(Some(server))
+}
+
+#[cfg(not(unix))]
+fn serve_serial(args: &SimulateArgs, _sim: &Sim) -> Outcome<()> {
+    match args.tcp {
+        Some(_) => Ok(()),
+        None => Err(Stop::usage(
+            "on this system only Modbus TCP can be simulated: give --tcp, such as --tcp 127.0.0.1:1502",
+        )),
+    }
+}
+
+fn serve_tcp(sim: &Sim, address: SocketAddr, specs: &[ModuleSpec]) -> Outcome<TcpServer> {
+    if !specs.iter().any(|spec| spec.model.has_ethernet()) {
+        output::warning("none of these modules has Ethernet: nobody will answer over TCP");
+    }
+    let server = TcpServer::bind(sim, address)
+        .map_err(|error| Stop::failed(format!("{address} could not be served: {error} – choose another port")))?;
+    output::line(&format!("tcp {}", server.address()))?;
+    Ok(server)
+}

@@ -1,0 +1,138 @@
+//! The window as a whole: takes in events, lets each part draw itself, and carries out what was asked for.
+
+use std::time::Duration;
+
+use eframe::egui::{self, CentralPanel, Panel};
+
+use super::connect::Connect;
+use super::dialogs::Dialogs;
+use super::module_view::ModuleView;
+use super::notices::Notices;
+use super::scan_form::ScanForm;
+use super::settings::Settings;
+use super::{connect, module_list, notices, scan_form, status, theme};
+use crate::bench::{Action, Bench};
+use crate::bus::LineAddress;
+
+/// How often ages are written anew while something is polled.
+const AGES_EVERY: Duration = Duration::from_secs(1);
+/// Batches of events taken in before a frame; more wait for the next one.
+const BATCHES: usize = 4;
+
+/// How the window starts.
+pub struct Start {
+    /// What "Simulated line" opens.
+    pub simulated: LineAddress,
+    /// Choose the simulated line and scan it at once.
+    pub demo: bool,
+    pub settings: Settings,
+}
+
+/// What every part gets for drawing: the state to show, the window's own choices, and where to put what the user asks.
+pub struct Pass<'a> {
+    pub bench: &'a Bench,
+    pub settings: &'a mut Settings,
+    pub connect: &'a mut Connect,
+    pub actions: &'a mut Vec<Action>,
+}
+
+pub struct App {
+    bench: Bench,
+    settings: Settings,
+    connect: Connect,
+    scan_form: ScanForm,
+    module_view: ModuleView,
+    notices: Notices,
+    dialogs: Dialogs,
+}
+
+impl App {
+    pub fn new(ctx: &egui::Context, bench: Bench, start: Start) -> Self {
+        let Start { simulated, demo, settings } = start;
+        theme::apply(ctx);
+        settings.apply(ctx);
+        let mut app = Self {
+            bench,
+            settings,
+            connect: Connect::new(simulated),
+            scan_form: ScanForm::default(),
+            module_view: ModuleView::default(),
+            notices: Notices::default(),
+            dialogs: Dialogs::default(),
+        };
+        if demo {
+            let action = app.connect.try_simulated(&mut app.settings);
+            app.bench.apply(action);
+        }
+        app
+    }
+
+    pub fn bench(&self) -> &Bench {
+        &self.bench
+    }
+
+    /// Carries out an action as if the user had asked for it in the window.
+    pub fn apply(&mut self, action: Action) {
+        self.bench.apply(action);
+    }
+
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
+        let Self { bench, settings, connect, scan_form, module_view, notices, dialogs } = self;
+        let palette = theme::palette(ui);
+        let mut pass = Pass { bench, settings, connect, actions };
+
+        Panel::top("connect").frame(theme::panel_frame(palette)).show(ui, |ui| connect::show(ui, &mut pass, scan_form));
+        if scan_form.open {
+            let frame = theme::panel_frame(palette);
+            Panel::top("scan form").frame(frame).show(ui, |ui| scan_form::show(ui, &mut pass, scan_form));
+        }
+        Panel::bottom("status")
+            .exact_size(theme::STATUS_HEIGHT)
+            .frame(theme::bar_frame(palette))
+            .show(ui, |ui| status::show(ui, &mut pass, notices));
+        if notices.waiting(bench).next().is_some() {
+            let frame = theme::error_frame(palette);
+            Panel::bottom("errors").frame(frame).show(ui, |ui| notices::strip(ui, bench, notices));
+        }
+        Panel::left("modules")
+            .default_size(theme::LIST_WIDTH)
+            .size_range(theme::LIST_WIDTH_RANGE)
+            .frame(theme::list_frame(palette))
+            .show(ui, |ui| module_list::show(ui, &mut pass));
+        CentralPanel::default()
+            .frame(theme::ground_frame(palette))
+            .show(ui, |ui| module_view.show(ui, &mut pass, dialogs));
+        dialogs.show(ui.ctx(), actions);
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        let all_taken = (0..BATCHES).any(|_| !self.bench.drain());
+        if !all_taken {
+            ctx.request_repaint();
+        }
+        if self.bench.modules().iter().any(|module| module.interval.is_some()) {
+            ctx.request_repaint_after(AGES_EVERY);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let mut actions = Vec::new();
+        self.draw(ui, &mut actions);
+        self.settings.note_zoom(ui.ctx());
+        if !actions.is_empty() {
+            // What was asked for shows in the next frame.
+            ui.ctx().request_repaint();
+        }
+        actions.into_iter().for_each(|action| self.bench.apply(action));
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.settings.save(storage);
+    }
+}

@@ -1,0 +1,324 @@
+//! The top row: which line, at which speed, and the scan.
+
+use std::time::Duration;
+
+use eframe::egui::{self, Align, ComboBox, RichText, TextEdit, Ui};
+
+use super::app::Pass;
+use super::scan_form::ScanForm;
+use super::settings::{self, LineChoice, Settings};
+use super::{theme, widgets, words};
+use crate::bench::{Action, Bench, LineState, ScanState};
+use crate::bus::{LineAddress, PortInfo, ScanPlan, ScanProgress, ScanSummary};
+use crate::protocol::{BaudRate, DataFormat};
+
+pub const SIMULATED: &str = "Simulated line";
+const TCP: &str = "Modbus TCP";
+
+/// The kinds of scan that need no form.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ready {
+    Quick,
+    Full,
+}
+
+/// What the line selector remembers.
+pub struct Connect {
+    simulated: LineAddress,
+    /// The list of lines was open in the last frame.
+    list_open: bool,
+}
+
+impl Connect {
+    pub fn new(simulated: LineAddress) -> Self {
+        Self { simulated, list_open: false }
+    }
+
+    /// The chosen line, or why there is none.
+    pub fn line(&self, bench: &Bench, settings: &Settings) -> Result<LineAddress, String> {
+        match &settings.line {
+            LineChoice::Simulated => Ok(self.simulated.clone()),
+            LineChoice::Tcp => LineAddress::tcp(settings.host.trim()),
+            LineChoice::Port(port) => Ok(LineAddress::Serial { port: port.clone() }),
+            LineChoice::FirstPort => match bench.ports().first() {
+                Some(port) => Ok(LineAddress::Serial { port: port.name.clone() }),
+                None => Err("There is no serial port – plug in an adapter, or choose the simulated line".to_owned()),
+            },
+        }
+    }
+
+    /// Chooses the simulated line and scans it.
+    pub fn try_simulated(&self, settings: &mut Settings) -> Action {
+        settings.line = LineChoice::Simulated;
+        let plan = plan_of(Ready::Quick, settings);
+        Action::Scan { line: self.simulated.clone(), settings: settings.line_settings, plan }
+    }
+
+    /// The action of scanning the chosen line, or why it cannot be scanned.
+    pub fn scan(&self, bench: &Bench, settings: &Settings, plan: ScanPlan) -> Result<Action, String> {
+        let line = self.line(bench, settings)?;
+        Ok(Action::Scan { line, settings: settings.line_settings, plan })
+    }
+}
+
+/// What a ready-made scan asks on the chosen line. A quick scan keeps to the chosen speed and format.
+pub fn plan_of(ready: Ready, settings: &Settings) -> ScanPlan {
+    let over_tcp = settings.line == LineChoice::Tcp;
+    match ready {
+        Ready::Quick if over_tcp => ScanPlan::tcp(),
+        Ready::Full if over_tcp => ScanPlan { addresses: (1..=247).collect(), ..ScanPlan::tcp() },
+        Ready::Quick => ScanPlan {
+            baud_rates: vec![settings.line_settings.baud_rate],
+            data_formats: vec![settings.line_settings.data_format],
+            ..ScanPlan::quick()
+        },
+        Ready::Full => ScanPlan::full(),
+    }
+}
+
+/// How long a scan takes if nothing answers.
+pub fn duration_of(plan: &ScanPlan) -> Duration {
+    plan.targets().iter().map(|target| plan.cost(target)).sum()
+}
+
+pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    ui.horizontal(|ui| {
+        line_selector(ui, pass);
+        match pass.settings.line {
+            LineChoice::Tcp => host(ui, pass.settings),
+            _ => speed_and_format(ui, pass.settings),
+        }
+        scan_buttons(ui, pass, form);
+        if let Some(ScanState::Running { progress, found, .. }) = pass.bench.scan() {
+            running(ui, progress.as_ref(), *found, pass.actions);
+        } else {
+            at_rest(ui, pass);
+        }
+        widgets::at_right(ui, |ui| settings::menu(ui, pass.settings));
+    });
+}
+
+/// The name of the chosen line, and what the system knows of it.
+fn chosen(bench: &Bench, settings: &Settings) -> String {
+    let named = |port: &PortInfo| format!("{}   {}", port.name, port.description);
+    match &settings.line {
+        LineChoice::Simulated => SIMULATED.to_owned(),
+        LineChoice::Tcp => TCP.to_owned(),
+        LineChoice::FirstPort => bench.ports().first().map_or_else(|| "No serial port".to_owned(), named),
+        LineChoice::Port(name) => {
+            let present = bench.ports().iter().find(|port| port.name == *name);
+            present.map_or_else(|| format!("{name}   not there"), named)
+        }
+    }
+}
+
+fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
+    let text = chosen(pass.bench, pass.settings);
+    let combo = ComboBox::from_id_salt("line").width(theme::LINE_BOX_WIDTH).truncate().selected_text(text.trim_end());
+    let response = combo.show_ui(ui, |ui| {
+        ui.set_min_width(theme::LINE_MENU_WIDTH);
+        lines(ui, pass.bench, pass.settings);
+    });
+    widgets::name_combo(&response.response, "Line", &text);
+    let open = response.inner.is_some();
+    if open && !pass.connect.list_open {
+        pass.actions.push(Action::RefreshPorts);
+    }
+    pass.connect.list_open = open;
+}
+
+fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
+    widgets::section(ui, "Serial ports");
+    if bench.ports().is_empty() {
+        widgets::quiet(ui, "None – plug in an adapter and open this list again");
+    }
+    for port in bench.ports() {
+        port_entry(ui, port, settings);
+    }
+    widgets::section(ui, "Others");
+    ui.selectable_value(&mut settings.line, LineChoice::Tcp, TCP);
+    ui.selectable_value(&mut settings.line, LineChoice::Simulated, SIMULATED);
+}
+
+fn port_entry(ui: &mut Ui, port: &PortInfo, settings: &mut Settings) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        let choice = LineChoice::Port(port.name.clone());
+        ui.selectable_value(&mut settings.line, choice, &port.name);
+        widgets::quiet(ui, &port.description);
+        if let Some(problem) = &port.problem {
+            widgets::glyph(ui, widgets::Glyph::Triangle, palette.warning);
+            ui.label(RichText::new(problem).color(palette.warning));
+        }
+    });
+}
+
+fn host(ui: &mut Ui, settings: &mut Settings) {
+    let field = TextEdit::singleline(&mut settings.host).desired_width(theme::HOST_WIDTH).hint_text("Host or host:port");
+    let response = ui.add(field);
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: Some(settings.host.clone()),
+        ..egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Host")
+    });
+}
+
+fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
+    let chosen = &mut settings.line_settings;
+    let speed = chosen.baud_rate.to_string();
+    let combo = ComboBox::from_id_salt("speed").width(theme::SPEED_WIDTH).selected_text(&speed);
+    let response = combo.show_ui(ui, |ui| {
+        for rate in BaudRate::ALL {
+            ui.selectable_value(&mut chosen.baud_rate, rate, format!("{rate} bps"));
+        }
+    });
+    widgets::name_combo(&response.response, "Speed", &speed);
+    let format = chosen.data_format.label();
+    let combo = ComboBox::from_id_salt("format").width(theme::FORMAT_WIDTH).selected_text(format);
+    let response = combo.show_ui(ui, |ui| {
+        for format in DataFormat::ALL {
+            ui.selectable_value(&mut chosen.data_format, format, format.label());
+        }
+    });
+    widgets::name_combo(&response.response, "Data format", format);
+}
+
+fn scan_buttons(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    let scanning = pass.bench.is_scanning();
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
+        let quick = pass.connect.scan(pass.bench, pass.settings, plan_of(Ready::Quick, pass.settings));
+        let reason = if scanning { Some("A scan is running") } else { quick.as_ref().err().map(String::as_str) };
+        let button = ui.add_enabled(reason.is_none(), egui::Button::new("Scan"));
+        let button = button.on_disabled_hover_text(reason.unwrap_or_default());
+        if button.on_hover_text(quick_words(pass.settings)).clicked()
+            && let Ok(action) = quick
+        {
+            pass.actions.push(action);
+        }
+        ui.add_enabled_ui(!scanning, |ui| widgets::menu(ui, "", "Scan options", |ui| scan_menu(ui, pass, form)));
+    });
+}
+
+fn quick_words(settings: &Settings) -> String {
+    match settings.line {
+        LineChoice::Tcp => "Asks NetID 1 over Modbus TCP".to_owned(),
+        _ => format!("Asks 33 likely addresses in both protocols at {}", settings.line_settings),
+    }
+}
+
+fn scan_menu(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    ui.set_width(theme::SCAN_MENU_WIDTH);
+    let full_words = match pass.settings.line {
+        LineChoice::Tcp => "All 247 NetIDs",
+        _ => "Every address, speed, format, protocol and checksum",
+    };
+    let kinds = [(Ready::Quick, "Quick scan", quick_words(pass.settings)), (Ready::Full, "Full scan", full_words.to_owned())];
+    for (ready, title, explanation) in kinds {
+        let plan = plan_of(ready, pass.settings);
+        let title_with_time = format!("{title} – at most {}", words::span(duration_of(&plan)));
+        let action = pass.connect.scan(pass.bench, pass.settings, plan);
+        let response = widgets::menu_entry(ui, action.is_ok(), &title_with_time, &explanation);
+        widgets::describe(&response, egui::Role::MenuItem, title);
+        if response.clicked()
+            && let Ok(action) = action
+        {
+            pass.actions.push(action);
+            ui.close();
+        }
+    }
+    if widgets::menu_entry(ui, true, "Custom…", "Choose addresses, speeds, formats and protocols").clicked() {
+        form.open(pass.settings);
+        ui.close();
+    }
+}
+
+fn running(ui: &mut Ui, progress: Option<&ScanProgress>, found: usize, actions: &mut Vec<Action>) {
+    let paused = progress.is_some_and(|progress| progress.paused);
+    let (done, total) = progress.map_or((0, 0), |progress| (progress.done, progress.total));
+    let part = if total == 0 { 0.0 } else { done as f32 / total as f32 };
+    widgets::progress(ui, part, "Scan progress");
+    widgets::fixed(ui, theme::PERCENT_WIDTH, Align::Max, &format!("{:.0} %", (part * 100.0).floor()));
+    let left = match progress {
+        _ if paused => "paused".to_owned(),
+        Some(progress) => format!("{} left", words::span(progress.left)),
+        None => String::new(),
+    };
+    widgets::fixed(ui, theme::LEFT_WIDTH, Align::Min, &left);
+    let hold = if paused { "Resume" } else { "Pause" };
+    if ui.button(hold).clicked() {
+        actions.push(Action::PauseScan(!paused));
+    }
+    if ui.button("Stop").clicked() {
+        actions.push(Action::CancelScan);
+    }
+    let place = progress.map(|progress| format!("at {}, {}", progress.at.address, words::spoken(&progress.at)));
+    let width = ui.available_width() - theme::LEFT_WIDTH;
+    let palette = theme::palette(ui);
+    let text = place.unwrap_or_default();
+    widgets::fixed_coloured(ui, width.max(0.0), Align::Min, &text, palette.quiet)
+        .on_hover_text(format!("{done} of {total} asked, {found} found"));
+}
+
+fn at_rest(ui: &mut Ui, pass: &mut Pass<'_>) {
+    if !matches!(pass.bench.line(), LineState::Closed) && ui.button("Close line").clicked() {
+        pass.actions.push(Action::Disconnect);
+    }
+    if let Some(ScanState::Ended(summary)) = pass.bench.scan() {
+        let response = widgets::quiet(ui, &ended(summary));
+        if !summary.unreadable.is_empty() {
+            response.on_hover_ui(|ui| unreadable(ui, summary));
+        }
+    }
+}
+
+/// How the last scan went.
+fn ended(summary: &ScanSummary) -> String {
+    let ScanSummary { done, total, found, unreadable, cancelled, lost } = summary;
+    let modules = if *found == 1 { "1 module".to_owned() } else { format!("{found} modules") };
+    let outcome = match (lost, cancelled) {
+        (Some(_), _) => format!("Line lost after {done} of {total} – {modules} found"),
+        (None, true) => format!("Stopped after {done} of {total} – {modules} found"),
+        (None, false) => format!("{modules} found, {total} asked"),
+    };
+    if unreadable.is_empty() { outcome } else { format!("{outcome}, {} unreadable", unreadable.len()) }
+}
+
+/// Most places listed; the rest is counted.
+const PLACES_LISTED: usize = 12;
+
+fn unreadable(ui: &mut Ui, summary: &ScanSummary) {
+    ui.label("Something came back that is no answer: noise, another speed, or two modules at one address");
+    for (target, reason) in summary.unreadable.iter().take(PLACES_LISTED) {
+        widgets::quiet(ui, &format!("{target}: {reason}"));
+    }
+}
+
+/// The buttons that an empty list offers.
+pub fn offers(ui: &mut Ui, pass: &mut Pass<'_>) {
+    let scanning = pass.bench.is_scanning();
+    for (ready, name) in [(Ready::Quick, "Quick scan"), (Ready::Full, "Full scan")] {
+        let action = pass.connect.scan(pass.bench, pass.settings, plan_of(ready, pass.settings));
+        let button = ui.add_enabled(!scanning && action.is_ok(), egui::Button::new(name));
+        if button.clicked()
+            && let Ok(action) = action
+        {
+            pass.actions.push(action);
+        }
+    }
+}
+
+pub fn offer_simulated(ui: &mut Ui, pass: &mut Pass<'_>) {
+    if ui.button("Try the simulated line").clicked() {
+        let action = pass.connect.try_simulated(pass.settings);
+        pass.actions.push(action);
+    }
+}
+
+/// Carries out the form's scan, if it can be.
+pub fn scan_with(pass: &mut Pass<'_>, plan: ScanPlan) {
+    match pass.connect.scan(pass.bench, pass.settings, plan) {
+        Ok(action) => pass.actions.push(action),
+        Err(reason) => pass.actions.push(Action::Notify(crate::bench::Severity::Error, reason)),
+    }
+}
+

@@ -1,0 +1,73 @@
+//! The window. It draws what the bench knows and gives back what the user asks for; ports, bytes and files are not
+//! its business.
+//!
+//! `app` puts the parts together, `theme` holds all colours and sizes, `widgets` and `words` serve every part; each
+//! other file is one part of the window.
+
+mod app;
+mod connect;
+mod dialogs;
+mod module_list;
+mod module_view;
+mod notices;
+mod scan_form;
+mod settings;
+mod status;
+mod theme;
+mod widgets;
+mod words;
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Duration;
+
+use eframe::egui::ViewportBuilder;
+
+pub use app::{App, Start};
+pub use settings::{LineChoice, Settings, TemperatureUnit, ThemeChoice};
+
+use crate::bench::Bench;
+use crate::bus::{Bus, LineAddress};
+use crate::module::Catalogue;
+
+const NAME: &str = "dcon-bench";
+/// What comes in from the bus within this time is shown together: thirty pictures a second are enough for an eye.
+const WAKE_AFTER: Duration = Duration::from_millis(33);
+
+/// Shows the window until it is closed.
+pub fn run(demo: bool) -> ExitCode {
+    let outcome = show(demo, eframe::Renderer::Glow).or_else(|glow| {
+        log::warn!("OpenGL cannot be used ({glow}), trying wgpu");
+        show(demo, eframe::Renderer::Wgpu).map_err(|wgpu| format!("OpenGL: {glow}; wgpu: {wgpu}"))
+    });
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("The window could not be shown ({reason}) – use the command line instead, see {NAME} --help");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn show(demo: bool, renderer: eframe::Renderer) -> eframe::Result {
+    let viewport = ViewportBuilder::default()
+        .with_title(NAME)
+        .with_app_id(NAME)
+        .with_inner_size(theme::WINDOW)
+        .with_min_inner_size(theme::WINDOW_LEAST);
+    let options = eframe::NativeOptions { viewport, renderer, ..eframe::NativeOptions::default() };
+    eframe::run_native(NAME, options, Box::new(move |creation| Ok(Box::new(start(creation, demo)?))))
+}
+
+fn start(creation: &eframe::CreationContext<'_>, demo: bool) -> std::io::Result<App> {
+    let (catalogue, faulty) = match crate::folders::definitions() {
+        Some(folder) => Catalogue::with_folder(&folder),
+        None => Catalogue::built_in(),
+    };
+    let catalogue = Arc::new(catalogue);
+    let ctx = creation.egui_ctx.clone();
+    let bus = Bus::start(catalogue.clone(), move || ctx.request_repaint_after(WAKE_AFTER))?;
+    let bench = Bench::new(bus, catalogue, &faulty);
+    let settings = Settings::load(creation.storage);
+    Ok(App::new(&creation.egui_ctx, bench, Start { simulated: LineAddress::demo(), demo, settings }))
+}

@@ -1,0 +1,122 @@
+//! The live values in large digits, and switches as lamps. A value that has grown old stays, greyed and with its
+//! age; one that is not known is a dash.
+
+use eframe::egui::{Align, Rect, Response, Role, Sense, Ui, pos2, vec2};
+use jiff::Timestamp;
+
+use super::series::{Freshness, Series};
+use crate::bench::Module;
+use crate::ui::theme::{self, Palette};
+use crate::ui::{widgets, words};
+
+pub fn show(ui: &mut Ui, module: &Module, series: &[Series<'_>], now: Timestamp) {
+    if series.iter().any(Series::is_number) {
+        cells(ui, theme::READING[0], |ui| {
+            for number in series.iter().filter(|series| series.is_number()) {
+                number_cell(ui, module, number, now);
+            }
+        });
+        ui.add_space(theme::UNIT);
+    }
+    cells(ui, theme::LAMP_CELL[0], |ui| {
+        for switch in series.iter().filter(|series| !series.is_number()) {
+            lamp_cell(ui, module, switch, now);
+        }
+    });
+}
+
+/// Cells of one width, as many in a row as there is room for.
+fn cells(ui: &mut Ui, width: f32, contents: impl FnOnce(&mut Ui)) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+        ui.set_min_width(width);
+        contents(ui);
+    });
+}
+
+fn number_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp) {
+    let palette = theme::palette(ui);
+    let (rect, response) = ui.allocate_exact_size(theme::READING.into(), Sense::hover());
+    let freshness = series.freshness(module, now);
+    let colour = if freshness == Freshness::Fresh { palette.text } else { palette.old };
+    let value = value_text(series);
+
+    let digits = Rect::from_min_size(rect.min, vec2(theme::READING_DIGITS, theme::DIGITS + theme::GAP));
+    let place = widgets::line_in(ui, digits, Align::Max, &value, theme::digits(), colour);
+    let unit = Rect::from_min_max(pos2(digits.right() + theme::UNIT, place.top()), pos2(rect.right(), place.bottom()));
+    // On the same baseline as the digits, whose descent is larger.
+    let unit = unit.with_min_y(place.bottom() - theme::HEADING - 2.0 * theme::UNIT);
+    widgets::line_in(ui, unit, Align::Min, series.unit, theme::heading(), palette.quiet);
+
+    let name = Rect::from_min_size(pos2(rect.left(), digits.bottom()), vec2(rect.width(), theme::LEGEND_ROW));
+    named(ui, name, series, palette);
+    let (note, colour) = note(series, &freshness, palette);
+    let below = name.translate(vec2(0.0, theme::LEGEND_ROW)).with_max_y(rect.bottom());
+    widgets::line_in(ui, aligned(below), Align::Min, &note, theme::small(), colour);
+    tell(response, series, &value, &freshness);
+}
+
+/// Name and note begin where the digits of most values do.
+fn aligned(rect: Rect) -> Rect {
+    rect.with_min_x(rect.left() + theme::GAP_WIDE + theme::GAP)
+}
+
+fn named(ui: &Ui, rect: Rect, series: &Series<'_>, palette: &Palette) {
+    let inside = aligned(rect);
+    let [width, height] = theme::SWATCH;
+    let swatch = Rect::from_center_size(pos2(inside.left() - theme::UNIT - width / 2.0, rect.center().y), vec2(width, height));
+    ui.painter().rect_filled(swatch, height / 2.0, series.colour(palette));
+    widgets::line_in(ui, inside, Align::Min, series.label, theme::body(), palette.quiet);
+}
+
+fn lamp_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp) {
+    let palette = theme::palette(ui);
+    let (rect, response) = ui.allocate_exact_size(theme::LAMP_CELL.into(), Sense::hover());
+    let freshness = series.freshness(module, now);
+    let on = series.reading.and_then(|reading| reading.value.as_ref()).and_then(|value| value.as_bool());
+    let fresh = freshness == Freshness::Fresh;
+    let colour = match on {
+        Some(true) if fresh => series.colour(palette),
+        Some(false) if fresh => palette.quiet,
+        _ => palette.old,
+    };
+    let centre = pos2(rect.left() + theme::LAMP / 2.0 + theme::HAIRLINE, rect.center().y);
+    widgets::paint_glyph(ui.painter(), series.glyph(on), centre, theme::LAMP, colour);
+    let text = rect.with_min_x(rect.left() + theme::LAMP + theme::GAP);
+    let word = value_text(series);
+    let colour = if fresh { palette.text } else { palette.old };
+    let name = text.with_max_x(text.right() - theme::LAMP_WORD - theme::GAP);
+    widgets::line_in(ui, name, Align::Min, series.label, theme::body(), palette.quiet);
+    let place = text.with_min_x(name.right()).with_max_x(text.right() - theme::GAP);
+    widgets::line_in(ui, place, Align::Min, &word, theme::body(), colour);
+    tell(response, series, &word, &freshness);
+}
+
+fn value_text(series: &Series<'_>) -> String {
+    let value = series.reading.and_then(|reading| reading.value.as_ref());
+    value.map_or_else(|| words::UNKNOWN.to_owned(), |value| series.word(value))
+}
+
+/// The third line of a reading: nothing while it is fresh, else why not.
+fn note(series: &Series<'_>, freshness: &Freshness, palette: &Palette) -> (String, eframe::egui::Color32) {
+    match (freshness, series.problem()) {
+        (Freshness::Fresh, _) => (String::new(), palette.quiet),
+        (Freshness::Old(age), Some(problem)) => (format!("{problem}, {} old", words::age(*age)), palette.error),
+        (Freshness::Old(age), None) => (format!("{} old", words::age(*age)), palette.old),
+        (Freshness::Unknown, Some(problem)) => (problem.to_string(), palette.error),
+        (Freshness::Unknown, None) => ("not read yet".to_owned(), palette.old),
+    }
+}
+
+/// Name, value and state for the pointer and for assistive technology.
+fn tell(response: Response, series: &Series<'_>, value: &str, freshness: &Freshness) {
+    let unit = if series.unit.is_empty() { String::new() } else { format!(" {}", series.unit) };
+    let state = match freshness {
+        Freshness::Fresh => String::new(),
+        Freshness::Old(age) => format!(", {} old", words::age(*age)),
+        Freshness::Unknown => ", not known".to_owned(),
+    };
+    let problem = series.problem().map(|problem| format!("\n{problem}")).unwrap_or_default();
+    widgets::describe(&response, Role::Label, &format!("{} {value}{unit}{state}", series.label));
+    response.on_hover_text(format!("{} {value}{unit}{state}{problem}\n{}", series.label, series.item.help));
+}

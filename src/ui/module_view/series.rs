@@ -1,0 +1,162 @@
+//! What is read again and again, as the list, the readings and the plot show it: one name, one colour, one order.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use eframe::egui::Color32;
+use jiff::Timestamp;
+
+use crate::bench::{Module, Reading};
+use crate::module::{Definition, Item, Kind, Value};
+use crate::protocol::Failure;
+use crate::record::Trend;
+use crate::ui::settings::TemperatureUnit;
+use crate::ui::theme::Palette;
+use crate::ui::widgets::Glyph;
+use crate::ui::words;
+
+/// A value is fresh for so many poll intervals.
+const FRESH_INTERVALS: u32 = 3;
+/// And for so long at least.
+const FRESH_AT_LEAST: Duration = Duration::from_secs(3);
+
+/// What a series shows, which rules its form and colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// A number, by its place among the numbers of the module.
+    Number(usize),
+    Motion,
+    Output,
+    Sound,
+    Alarm,
+}
+
+/// How much a value is worth.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Freshness {
+    Fresh,
+    /// The value is this old.
+    Old(Duration),
+    /// There is no value yet.
+    Unknown,
+}
+
+pub struct Series<'a> {
+    pub item: &'a Item,
+    /// Id without its temperature unit: a series is the same in °C and °F.
+    pub stem: &'a str,
+    pub label: &'a str,
+    pub unit: &'a str,
+    pub family: Family,
+    pub reading: Option<&'a Reading>,
+    pub trend: Option<&'a Trend>,
+}
+
+/// The live items of a module in the chosen temperature unit, in the order of the definition, numbers first.
+pub fn series_of(module: &Module, unit: TemperatureUnit) -> Vec<Series<'_>> {
+    let Some(definition) = module.definition() else { return Vec::new() };
+    let items = definition.live_items(module.target.protocol);
+    let shown = items.filter(|item| is_there(module, item) && is_chosen(definition, item, unit));
+    let (numbers, switches): (Vec<&Item>, Vec<&Item>) = shown.partition(|item| matches!(item.kind, Kind::Number { .. }));
+    let numbers = numbers.into_iter().enumerate().map(|(index, item)| (item, Family::Number(index)));
+    let switches = switches.into_iter().map(|item| (item, family_of(&item.id)));
+    numbers.chain(switches).map(|(item, family)| Series::new(module, item, family)).collect()
+}
+
+/// An optional part counts once the module has answered for it.
+fn is_there(module: &Module, item: &Item) -> bool {
+    item.optional.is_none() || module.readings.contains_key(&item.id)
+}
+
+/// Of a pair in both temperature units only one is shown; what exists in one unit is shown in that.
+fn is_chosen(definition: &Arc<Definition>, item: &Item, unit: TemperatureUnit) -> bool {
+    let (unwanted, wanted) = match unit {
+        TemperatureUnit::Celsius => ("_f", "_c"),
+        TemperatureUnit::Fahrenheit => ("_c", "_f"),
+    };
+    let twin = item.id.strip_suffix(unwanted).map(|stem| format!("{stem}{wanted}"));
+    !twin.is_some_and(|twin| definition.item(&twin).is_some())
+}
+
+/// By the public names, which every definition shares.
+fn family_of(id: &str) -> Family {
+    match id {
+        _ if id.starts_with("pir") => Family::Motion,
+        _ if id.starts_with("alarm") || id.ends_with("tripped") => Family::Alarm,
+        _ if id.starts_with("buzzer") => Family::Sound,
+        _ => Family::Output,
+    }
+}
+
+impl<'a> Series<'a> {
+    fn new(module: &'a Module, item: &'a Item, family: Family) -> Self {
+        let stem = item.id.strip_suffix("_c").or_else(|| item.id.strip_suffix("_f")).unwrap_or(&item.id);
+        let label = item.label.trim_end_matches("(°F)").trim_end_matches("(°C)").trim_end();
+        let (reading, trend) = (module.reading(&item.id), module.trends.get(&item.id));
+        Self { item, stem, label, unit: &item.unit, family, reading, trend }
+    }
+
+    pub fn is_number(&self) -> bool {
+        matches!(self.family, Family::Number(_))
+    }
+
+    pub fn colour(&self, palette: &Palette) -> Color32 {
+        match self.family {
+            Family::Number(index) => {
+                let all = palette.series;
+                all.get(index % all.len()).copied().unwrap_or(palette.text)
+            }
+            Family::Motion => palette.motion,
+            Family::Output => palette.output,
+            Family::Sound => palette.sound,
+            Family::Alarm => palette.alarm,
+        }
+    }
+
+    /// The form of a switch; `None` is unknown.
+    pub fn glyph(&self, on: Option<bool>) -> Glyph {
+        match (self.family, on) {
+            (_, None) => Glyph::Dashes,
+            (Family::Alarm, Some(true)) => Glyph::Triangle,
+            (Family::Alarm, Some(false)) => Glyph::Outline,
+            (Family::Output, Some(true)) => Glyph::Square,
+            (Family::Output, Some(false)) => Glyph::Frame,
+            (_, Some(true)) => Glyph::Disc,
+            (_, Some(false)) => Glyph::Ring,
+        }
+    }
+
+    /// The value in words; numbers without their unit.
+    pub fn word(&self, value: &Value) -> String {
+        match (self.family, value.as_bool()) {
+            (_, None) => value.to_string(),
+            (Family::Motion, Some(on)) => if on { "motion" } else { "quiet" }.to_owned(),
+            (Family::Alarm, Some(on)) if self.stem.ends_with("tripped") => if on { "yes" } else { "no" }.to_owned(),
+            (Family::Alarm, Some(on)) => if on { "alarm" } else { "none" }.to_owned(),
+            (_, Some(on)) => if on { "on" } else { "off" }.to_owned(),
+        }
+    }
+
+    /// A sample of the trend in words.
+    pub fn sample_word(&self, sample: f64) -> String {
+        match &self.item.kind {
+            Kind::Bool => self.word(&Value::Bool(sample >= 0.5)),
+            Kind::Number { min, .. } => format!("{sample:.places$}", places = usize::from(min.decimals)),
+            _ => sample.to_string(),
+        }
+    }
+
+    pub fn problem(&self) -> Option<&'a Failure> {
+        self.reading.and_then(|reading| reading.problem.as_ref())
+    }
+
+    pub fn freshness(&self, module: &Module, now: Timestamp) -> Freshness {
+        let Some(at) = self.reading.filter(|reading| reading.value.is_some()).and_then(|reading| reading.at) else {
+            return Freshness::Unknown;
+        };
+        let age = words::since(at, now);
+        let interval = module.interval.unwrap_or_default();
+        let limit = interval.saturating_mul(FRESH_INTERVALS).max(FRESH_AT_LEAST);
+        if self.problem().is_some() || age > limit { Freshness::Old(age) } else { Freshness::Fresh }
+    }
+}

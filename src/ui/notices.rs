@@ -1,0 +1,120 @@
+//! What the user should know: errors until they are acknowledged, and all notices to look back at.
+
+use eframe::egui::{self, Color32, RichText, ScrollArea, Ui};
+use jiff::Timestamp;
+
+use super::app::Pass;
+use super::theme::{self, Palette};
+use super::widgets::{self, Glyph};
+use super::words;
+use crate::bench::{Action, Bench, Notice, Severity};
+
+/// Which errors the user has acknowledged.
+#[derive(Default)]
+pub struct Notices {
+    /// All up to this time.
+    acknowledged: Option<Timestamp>,
+}
+
+impl Notices {
+    /// Errors that the user has not acknowledged, newest first.
+    pub fn waiting<'a>(&self, bench: &'a Bench) -> impl Iterator<Item = &'a Notice> {
+        let acknowledged = self.acknowledged;
+        let newer = move |notice: &&Notice| acknowledged.is_none_or(|until| notice.at > until);
+        bench.notices().rev().filter(|notice| notice.severity == Severity::Error).filter(newer)
+    }
+}
+
+fn mark(severity: Severity, palette: &Palette) -> (Glyph, Color32, &'static str) {
+    match severity {
+        Severity::Info => (Glyph::Ring, palette.quiet, "Note"),
+        Severity::Warning => (Glyph::Outline, palette.warning, "Warning"),
+        Severity::Error => (Glyph::Triangle, palette.error, "Error"),
+    }
+}
+
+/// The newest error, above the status bar, until it is acknowledged.
+pub fn strip(ui: &mut Ui, bench: &Bench, notices: &mut Notices) {
+    let palette = theme::palette(ui);
+    let mut waiting = notices.waiting(bench);
+    let Some(newest) = waiting.next() else { return };
+    let (at, more) = (newest.at, waiting.count());
+    ui.horizontal(|ui| {
+        widgets::glyph(ui, Glyph::Triangle, palette.error);
+        widgets::at_right(ui, |ui| {
+            let text = if more == 0 { "Dismiss".to_owned() } else { format!("Dismiss {}", more + 1) };
+            if ui.button(text).clicked() {
+                notices.acknowledged = Some(at);
+            }
+            if ui.button("Copy").clicked() {
+                ui.ctx().copy_text(newest.text.clone());
+            }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.add(egui::Label::new(RichText::new(&newest.text).color(palette.text)).wrap());
+            });
+        });
+    });
+}
+
+/// The newest notice, in the status bar; a click shows them all.
+pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
+    let palette = theme::palette(ui);
+    let Some(notice) = pass.bench.notices().next_back() else {
+        widgets::quiet(ui, "No notices");
+        return;
+    };
+    let (glyph, colour, word) = mark(notice.severity, palette);
+    let width = ui.available_width();
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::click());
+    let galley = widgets::cut(ui, &notice.text, theme::body(), palette.quiet, width - theme::GLYPH - 2.0 * theme::GAP);
+    let left = rect.right() - galley.size().x - theme::GAP;
+    if response.hovered() {
+        let behind = rect.with_min_x(left - theme::GLYPH - 2.0 * theme::GAP);
+        ui.painter().rect_filled(behind, theme::UNIT, palette.raised);
+    }
+    let centre = egui::pos2(left - theme::GAP - theme::GLYPH / 2.0, rect.center().y);
+    widgets::paint_glyph(ui.painter(), glyph, centre, theme::GLYPH, colour);
+    ui.painter().galley(egui::pos2(left, rect.center().y - galley.size().y / 2.0), galley, palette.quiet);
+    widgets::describe(&response, egui::Role::Button, "Notices");
+    let response = response.on_hover_text(format!("{word}: {}\nClick for all notices", notice.text));
+    egui::Popup::menu(&response)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| list(ui, pass));
+}
+
+/// All notices, the newest first.
+fn list(ui: &mut Ui, pass: &mut Pass<'_>) {
+    ui.set_width(theme::NOTICES_WIDTH);
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Notices").heading());
+        widgets::at_right(ui, |ui| {
+            if ui.button("Clear").clicked() {
+                pass.actions.push(Action::ClearNotices);
+                ui.close();
+            }
+            if ui.button("Copy all").clicked() {
+                ui.ctx().copy_text(pass.bench.notices().map(as_line).collect());
+            }
+        });
+    });
+    ScrollArea::vertical().max_height(theme::NOTICES_HEIGHT).show(ui, |ui| {
+        for notice in pass.bench.notices().rev() {
+            entry(ui, notice);
+        }
+    });
+}
+
+fn entry(ui: &mut Ui, notice: &Notice) {
+    let palette = theme::palette(ui);
+    let (glyph, colour, _) = mark(notice.severity, palette);
+    ui.horizontal_top(|ui| {
+        widgets::glyph(ui, glyph, colour);
+        widgets::quiet(ui, &words::time_of_day(words::seconds(notice.at), 0));
+        ui.add(egui::Label::new(&notice.text).wrap());
+    });
+}
+
+fn as_line(notice: &Notice) -> String {
+    let (_, _, word) = mark(notice.severity, &theme::DARK);
+    format!("{} {word}: {}\n", notice.at, notice.text)
+}

@@ -1,0 +1,208 @@
+//! The second row: a scan of one's own choice.
+
+use std::time::Duration;
+
+use eframe::egui::{self, Align, DragValue, RichText, TextEdit, Ui};
+
+use super::app::Pass;
+use super::connect;
+use super::settings::{LineChoice, Settings};
+use super::{theme, widgets, words};
+use crate::bus::ScanPlan;
+use crate::protocol::{BaudRate, DataFormat, Protocol};
+
+/// Listening window, in milliseconds.
+const WINDOWS: std::ops::RangeInclusive<u64> = 5..=2_000;
+
+/// What stands in the form.
+pub struct ScanForm {
+    pub open: bool,
+    addresses: String,
+    plan: ScanPlan,
+    /// The plan that `duration` belongs to.
+    measured: Option<(ScanPlan, usize, Duration)>,
+}
+
+impl Default for ScanForm {
+    fn default() -> Self {
+        Self { open: false, addresses: "1,160-191".to_owned(), plan: ScanPlan::quick(), measured: None }
+    }
+}
+
+impl ScanForm {
+    /// Opens the form; the first time with the chosen speed and format.
+    pub fn open(&mut self, settings: &Settings) {
+        self.open = true;
+        if self.measured.is_none() {
+            self.plan.baud_rates = vec![settings.line_settings.baud_rate];
+            self.plan.data_formats = vec![settings.line_settings.data_format];
+        }
+    }
+
+    /// The plan as it stands, or what is missing.
+    fn plan(&self, over_tcp: bool) -> Result<ScanPlan, String> {
+        let addresses = parse_addresses(&self.addresses)?;
+        if over_tcp {
+            return Ok(ScanPlan { addresses, stop_at_first: self.plan.stop_at_first, ..ScanPlan::tcp() });
+        }
+        let ScanPlan { baud_rates, data_formats, protocols, checksums, .. } = &self.plan;
+        let missing = [
+            (baud_rates.is_empty(), "a speed"),
+            (data_formats.is_empty(), "a format"),
+            (protocols.is_empty(), "a protocol"),
+            (checksums.is_empty() && protocols.contains(&Protocol::Dcon), "with or without checksum"),
+        ];
+        match missing.into_iter().find(|(missing, _)| *missing) {
+            Some((_, what)) => Err(format!("Choose {what}")),
+            None => Ok(ScanPlan { addresses, ..self.plan.clone() }),
+        }
+    }
+
+    /// Places and time of a plan; counted anew only when it has changed.
+    fn measure(&mut self, plan: &ScanPlan) -> (usize, Duration) {
+        if let Some((measured, places, duration)) = &self.measured
+            && measured == plan
+        {
+            return (*places, *duration);
+        }
+        let (places, duration) = (plan.targets().len(), connect::duration_of(plan));
+        self.measured = Some((plan.clone(), places, duration));
+        (places, duration)
+    }
+}
+
+/// Reads `1,160-191`; numbers are decimal, `A0h` or `0xA0`.
+fn parse_addresses(text: &str) -> Result<Vec<u8>, String> {
+    let mut addresses = Vec::new();
+    for part in text.split([',', ' ', ';']).map(str::trim).filter(|part| !part.is_empty()) {
+        let wrong = || format!("\"{part}\" is not an address or range – write 1,160-191");
+        let (first, last) = part.split_once(['-', '–']).unwrap_or((part, part));
+        let (first, last) = (parse_address(first).ok_or_else(wrong)?, parse_address(last).ok_or_else(wrong)?);
+        if first > last {
+            return Err(wrong());
+        }
+        addresses.extend(first..=last);
+    }
+    addresses.sort_unstable();
+    addresses.dedup();
+    if addresses.is_empty() { Err("Write at least one address, such as 1,160-191".to_owned()) } else { Ok(addresses) }
+}
+
+fn parse_address(text: &str) -> Option<u8> {
+    let text = text.trim();
+    let hexadecimal = text.strip_prefix("0x").or_else(|| text.strip_suffix(['h', 'H']));
+    match hexadecimal {
+        Some(digits) => u8::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    }
+}
+
+pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    let over_tcp = pass.settings.line == LineChoice::Tcp;
+    ui.horizontal_wrapped(|ui| {
+        addresses(ui, form);
+        if !over_tcp {
+            choices(ui, form);
+            window(ui, &mut form.plan.window);
+        }
+        ui.checkbox(&mut form.plan.stop_at_first, "Stop at the first");
+    });
+    ui.horizontal(|ui| conclusion(ui, pass, form, over_tcp));
+}
+
+fn addresses(ui: &mut Ui, form: &mut ScanForm) {
+    widgets::quiet(ui, "Addresses");
+    let response = ui.add(TextEdit::singleline(&mut form.addresses).desired_width(theme::ADDRESSES_WIDTH));
+    let response = response.on_hover_text("Numbers and ranges: 1,160-191 or A0h-BFh");
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: Some(form.addresses.clone()),
+        ..egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Addresses")
+    });
+}
+
+fn choices(ui: &mut Ui, form: &mut ScanForm) {
+    let ScanPlan { baud_rates, data_formats, protocols, checksums, .. } = &mut form.plan;
+    group(ui, "Speeds", &BaudRate::ALL, baud_rates, |rate| rate.to_string());
+    group(ui, "Formats", &DataFormat::ALL, data_formats, |format| format.label().to_owned());
+    group(ui, "Protocols", &Protocol::SERIAL, protocols, |protocol| protocol.label().to_owned());
+    if protocols.contains(&Protocol::Dcon) {
+        let word = |with: &bool| if *with { "with".to_owned() } else { "without".to_owned() };
+        group(ui, "DCON checksum", &[false, true], checksums, word);
+    }
+}
+
+/// Chips for `all`, of which those in `chosen` are on. They keep the order of `all`.
+fn group<T: Copy + PartialEq>(ui: &mut Ui, title: &str, all: &[T], chosen: &mut Vec<T>, word: impl Fn(&T) -> String) {
+    // Title and chips stay together when the row is wrapped.
+    ui.horizontal(|ui| {
+        widgets::quiet(ui, title);
+        ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
+        for value in all {
+            let on = chosen.contains(value);
+            let word = word(value);
+            if widgets::chip(ui, on, &word, &format!("{title} {word}")) {
+                *chosen = all.iter().copied().filter(|other| chosen.contains(other) != (other == value)).collect();
+            }
+        }
+    });
+}
+
+fn window(ui: &mut Ui, window: &mut Duration) {
+    ui.horizontal(|ui| {
+        widgets::quiet(ui, "Listen for");
+        let mut milliseconds = window.as_millis() as u64;
+        let field = DragValue::new(&mut milliseconds).range(WINDOWS).suffix(" ms");
+        let response = ui.add_sized([theme::WINDOW_FIELD_WIDTH, theme::CONTROL_HEIGHT], field);
+        response.on_hover_text("From the end of a question to the first byte of an answer");
+        *window = Duration::from_millis(milliseconds);
+    });
+}
+
+fn conclusion(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm, over_tcp: bool) {
+    let plan = form.plan(over_tcp);
+    let scanning = pass.bench.is_scanning();
+    let start = ui.add_enabled(plan.is_ok() && !scanning, egui::Button::new("Start scan"));
+    if ui.button("Close").clicked() {
+        form.open = false;
+    }
+    match plan {
+        Ok(plan) => {
+            let (places, duration) = form.measure(&plan);
+            let text = format!("{places} places to ask, at most {}", words::span(duration));
+            widgets::fixed(ui, ui.available_width(), Align::Min, &text);
+            if start.clicked() {
+                connect::scan_with(pass, plan);
+            }
+        }
+        Err(reason) => {
+            let palette = theme::palette(ui);
+            ui.label(RichText::new(reason).color(palette.error));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_numbers_and_ranges_in_any_order() {
+        assert_eq!(parse_addresses("160-162, 1,A0h 0x02"), Ok(vec![1, 2, 160, 161, 162]));
+    }
+
+    #[test]
+    fn a_wrong_address_is_named() {
+        for wrong in ["256", "9-3", "x", "1,,q"] {
+            assert!(parse_addresses(wrong).unwrap_err().contains("1,160-191"), "{wrong}");
+        }
+        assert!(parse_addresses(" ").is_err());
+    }
+
+    #[test]
+    fn a_form_without_a_speed_says_what_is_missing() {
+        let mut form = ScanForm::default();
+        form.plan.baud_rates.clear();
+        assert_eq!(form.plan(false), Err("Choose a speed".to_owned()));
+        assert!(form.plan(true).is_ok());
+    }
+}

@@ -1,0 +1,65 @@
+//! The bar at the bottom: the line and what happens on it, in facts.
+
+use eframe::egui::{Align, Color32, RichText, Ui};
+
+use super::app::Pass;
+use super::notices::{self, Notices};
+use super::theme::{self, Palette};
+use super::widgets::{self, Glyph};
+use crate::bench::LineState;
+use crate::bus::Statistics;
+
+pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, _notices: &Notices) {
+    ui.horizontal_centered(|ui| {
+        line(ui, pass.bench.line());
+        if pass.bench.line().is_open() {
+            ui.add_space(theme::GAP);
+            facts(ui, pass.bench.statistics());
+        }
+        widgets::at_right(ui, |ui| notices::newest(ui, pass));
+    });
+}
+
+fn state(line: &LineState, palette: &Palette) -> (Glyph, Color32, String) {
+    match line {
+        LineState::Closed => (Glyph::Ring, palette.quiet, "No line open".to_owned()),
+        LineState::Opening { line } => (Glyph::Dashes, palette.quiet, format!("{line} opening")),
+        LineState::Open { line } => (Glyph::Disc, palette.ok, format!("{line} open")),
+        LineState::Lost { line, .. } => (Glyph::Cross, palette.error, format!("{line} lost")),
+    }
+}
+
+fn line(ui: &mut Ui, line: &LineState) {
+    let palette = theme::palette(ui);
+    let (glyph, colour, text) = state(line, palette);
+    widgets::glyph(ui, glyph, colour);
+    let response = ui.label(RichText::new(text).color(palette.text));
+    if let LineState::Lost { reason, .. } = line {
+        response.on_hover_text(format!("{reason} – plug the adapter in again, it is taken up by itself"));
+    }
+}
+
+fn facts(ui: &mut Ui, statistics: &Statistics) {
+    let palette = theme::palette(ui);
+    let Statistics { transactions, errors, transactions_per_second, answer_time, echo, frames_missed, kinds } = statistics;
+    let rate = format!("{transactions_per_second:.1} transactions/s");
+    widgets::fixed_coloured(ui, theme::RATE_WIDTH, Align::Max, &rate, palette.quiet)
+        .on_hover_text(format!("{transactions} transactions since the line was opened"));
+    let share = if *transactions == 0 { 0.0 } else { *errors as f64 / *transactions as f64 * 100.0 };
+    let colour = if *errors == 0 { palette.quiet } else { palette.warning };
+    let response =
+        widgets::fixed_coloured(ui, theme::ERRORS_WIDTH, Align::Max, &format!("{share:.1} % errors"), colour);
+    let by_kind: Vec<String> = kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    let by_kind = if by_kind.is_empty() { "No answer was missing or unusable".to_owned() } else { by_kind.join("\n") };
+    response.on_hover_text(by_kind);
+    let answer = answer_time.map_or_else(String::new, |time| format!("answer {:.0} ms", time.as_secs_f64() * 1e3));
+    widgets::fixed_coloured(ui, theme::ANSWER_WIDTH, Align::Max, &answer, palette.quiet)
+        .on_hover_text("From the end of the last answered request to the answer's first byte");
+    if *echo {
+        widgets::quiet(ui, "echo").on_hover_text("The adapter sends back what is sent; the echo is taken away");
+    }
+    if *frames_missed > 0 {
+        ui.label(RichText::new(format!("{frames_missed} frames missed")).color(palette.warning))
+            .on_hover_text("Frames that the window did not take in time; readings are not affected");
+    }
+}

@@ -1,0 +1,361 @@
+//! Every colour, size and font of the window. Nothing else in this room names a colour or a length.
+//!
+//! The colours were chosen after Okabe and Ito, so that they stay apart for colour-blind people, and each is used
+//! together with a shape or a word. Text has a contrast of at least 4.5 to 1 on both grounds, marks at least 3 to 1
+//! (WCAG 2.2, 1.4.3 and 1.4.11); a test holds them to it.
+
+use eframe::egui::{
+    self, Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals, vec2,
+};
+
+/// The colours of one theme, by what they mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Palette {
+    /// Behind readings and plots.
+    pub ground: Color32,
+    /// Behind the rows and lists around them.
+    pub panel: Color32,
+    pub raised: Color32,
+    pub raised_hovered: Color32,
+    pub raised_pressed: Color32,
+    /// Separates areas.
+    pub line: Color32,
+    pub grid: Color32,
+    pub text: Color32,
+    /// Units, names, explanations.
+    pub quiet: Color32,
+    /// A value that is no longer fresh.
+    pub old: Color32,
+    pub accent: Color32,
+    pub selection: Color32,
+    pub ok: Color32,
+    pub warning: Color32,
+    pub error: Color32,
+    /// Behind an error that waits to be acknowledged.
+    pub error_ground: Color32,
+    /// Numbers over time, in the order of the definition.
+    pub series: [Color32; 5],
+    pub motion: Color32,
+    pub output: Color32,
+    pub sound: Color32,
+    pub alarm: Color32,
+}
+
+pub const DARK: Palette = Palette {
+    ground: Color32::from_rgb(0x12, 0x15, 0x19),
+    panel: Color32::from_rgb(0x1A, 0x1E, 0x23),
+    raised: Color32::from_rgb(0x2B, 0x31, 0x39),
+    raised_hovered: Color32::from_rgb(0x38, 0x40, 0x4A),
+    raised_pressed: Color32::from_rgb(0x45, 0x4F, 0x5B),
+    line: Color32::from_rgb(0x2C, 0x32, 0x3A),
+    grid: Color32::from_rgb(0x26, 0x2C, 0x33),
+    text: Color32::from_rgb(0xE6, 0xEA, 0xEE),
+    quiet: Color32::from_rgb(0x9D, 0xA8, 0xB3),
+    old: Color32::from_rgb(0x86, 0x90, 0x9B),
+    accent: Color32::from_rgb(0x6C, 0xB4, 0xFF),
+    selection: Color32::from_rgb(0x1E, 0x40, 0x66),
+    ok: Color32::from_rgb(0x35, 0xC4, 0x9C),
+    warning: Color32::from_rgb(0xF0, 0xB4, 0x3C),
+    error: Color32::from_rgb(0xFF, 0x86, 0x70),
+    error_ground: Color32::from_rgb(0x3A, 0x1F, 0x1C),
+    series: [
+        Color32::from_rgb(0xF2, 0xA0, 0x48),
+        Color32::from_rgb(0x30, 0xC5, 0x9B),
+        Color32::from_rgb(0x64, 0xB6, 0xF2),
+        Color32::from_rgb(0xE3, 0x8B, 0xC4),
+        Color32::from_rgb(0xEE, 0xE1, 0x6A),
+    ],
+    motion: Color32::from_rgb(0xEE, 0xE1, 0x6A),
+    output: Color32::from_rgb(0x64, 0xB6, 0xF2),
+    sound: Color32::from_rgb(0xE3, 0x8B, 0xC4),
+    alarm: Color32::from_rgb(0xFF, 0x86, 0x70),
+};
+
+pub const LIGHT: Palette = Palette {
+    ground: Color32::from_rgb(0xFF, 0xFF, 0xFF),
+    panel: Color32::from_rgb(0xF2, 0xF4, 0xF6),
+    raised: Color32::from_rgb(0xE0, 0xE5, 0xEA),
+    raised_hovered: Color32::from_rgb(0xD2, 0xD9, 0xE0),
+    raised_pressed: Color32::from_rgb(0xC0, 0xC9, 0xD2),
+    line: Color32::from_rgb(0xD3, 0xD9, 0xDF),
+    grid: Color32::from_rgb(0xE4, 0xE8, 0xEC),
+    text: Color32::from_rgb(0x16, 0x1B, 0x20),
+    quiet: Color32::from_rgb(0x52, 0x5D, 0x68),
+    old: Color32::from_rgb(0x66, 0x70, 0x7B),
+    accent: Color32::from_rgb(0x0A, 0x5F, 0xBF),
+    selection: Color32::from_rgb(0xCB, 0xE1, 0xF9),
+    ok: Color32::from_rgb(0x00, 0x74, 0x58),
+    warning: Color32::from_rgb(0x85, 0x56, 0x00),
+    error: Color32::from_rgb(0xB4, 0x2A, 0x14),
+    error_ground: Color32::from_rgb(0xFB, 0xE4, 0xDF),
+    series: [
+        Color32::from_rgb(0xB2, 0x56, 0x00),
+        Color32::from_rgb(0x00, 0x7F, 0x60),
+        Color32::from_rgb(0x0B, 0x6C, 0xB4),
+        Color32::from_rgb(0xA0, 0x32, 0x7A),
+        Color32::from_rgb(0x7A, 0x6A, 0x00),
+    ],
+    motion: Color32::from_rgb(0x8A, 0x70, 0x00),
+    output: Color32::from_rgb(0x0B, 0x6C, 0xB4),
+    sound: Color32::from_rgb(0xA0, 0x32, 0x7A),
+    alarm: Color32::from_rgb(0xB4, 0x2A, 0x14),
+};
+
+/// The colours in force where `ui` draws.
+pub fn palette(ui: &egui::Ui) -> &'static Palette {
+    if ui.visuals().dark_mode { &DARK } else { &LIGHT }
+}
+
+/// The type scale.
+pub const SMALL: f32 = 11.0;
+pub const BODY: f32 = 13.0;
+pub const HEADING: f32 = 16.0;
+pub const DIGITS: f32 = 28.0;
+
+pub fn small() -> FontId {
+    FontId::proportional(SMALL)
+}
+
+pub fn body() -> FontId {
+    FontId::proportional(BODY)
+}
+
+pub fn heading() -> FontId {
+    FontId::proportional(HEADING)
+}
+
+/// For readings; all ten digits are equally wide in the default font, which a test holds it to.
+pub fn digits() -> FontId {
+    FontId::proportional(DIGITS)
+}
+
+/// The unit of space; every distance is a multiple of it.
+pub const UNIT: f32 = 4.0;
+pub const GAP: f32 = 2.0 * UNIT;
+pub const GAP_WIDE: f32 = 4.0 * UNIT;
+pub const GAP_SECTION: f32 = 5.0 * UNIT;
+
+pub const WINDOW: [f32; 2] = [1280.0, 800.0];
+pub const WINDOW_LEAST: [f32; 2] = [1024.0, 700.0];
+
+pub const CONTROL_HEIGHT: f32 = 6.0 * UNIT;
+pub const STATUS_HEIGHT: f32 = 7.0 * UNIT;
+pub const LIST_WIDTH: f32 = 60.0 * UNIT;
+pub const LIST_WIDTH_RANGE: std::ops::RangeInclusive<f32> = 50.0 * UNIT..=100.0 * UNIT;
+pub const LINE_BOX_WIDTH: f32 = 60.0 * UNIT;
+pub const LINE_MENU_WIDTH: f32 = 90.0 * UNIT;
+pub const HOST_WIDTH: f32 = 38.0 * UNIT;
+pub const SPEED_WIDTH: f32 = 18.0 * UNIT;
+pub const FORMAT_WIDTH: f32 = 14.0 * UNIT;
+pub const PROGRESS_WIDTH: f32 = 32.0 * UNIT;
+pub const PROGRESS_HEIGHT: f32 = 2.0 * UNIT;
+pub const PERCENT_WIDTH: f32 = 9.0 * UNIT;
+pub const LEFT_WIDTH: f32 = 20.0 * UNIT;
+pub const ADDRESSES_WIDTH: f32 = 50.0 * UNIT;
+pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
+pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
+pub const INTERVAL_WIDTH: f32 = 48.0 * UNIT;
+pub const EMPTY_STATE_WIDTH: f32 = 110.0 * UNIT;
+pub const NOTICES_WIDTH: f32 = 140.0 * UNIT;
+pub const NOTICES_HEIGHT: f32 = 80.0 * UNIT;
+pub const PATH_WIDTH: f32 = 90.0 * UNIT;
+pub const RATE_WIDTH: f32 = 29.0 * UNIT;
+pub const ERRORS_WIDTH: f32 = 20.0 * UNIT;
+pub const ANSWER_WIDTH: f32 = 24.0 * UNIT;
+
+/// Marks in text.
+pub const GLYPH: f32 = 3.0 * UNIT;
+pub const LAMP: f32 = 4.0 * UNIT;
+pub const CARET: f32 = 2.0 * UNIT;
+pub const SWATCH: [f32; 2] = [3.0 * UNIT, 3.0];
+
+/// The list of modules.
+pub const ROW_HEIGHT: f32 = 16.0 * UNIT;
+pub const ROW_MARGIN: f32 = 2.0 * UNIT;
+
+/// Readings.
+pub const READING: [f32; 2] = [46.0 * UNIT, 20.0 * UNIT];
+pub const READING_DIGITS: f32 = 29.0 * UNIT;
+pub const LAMP_CELL: [f32; 2] = [56.0 * UNIT, 6.0 * UNIT];
+pub const LAMP_WORD: f32 = 14.0 * UNIT;
+
+/// The plot.
+pub const LEGEND_WIDTH: f32 = 46.0 * UNIT;
+pub const Y_LABELS: f32 = 12.0 * UNIT;
+pub const LEGEND_ROW: f32 = 5.0 * UNIT;
+pub const PLOT_LEAST: f32 = 22.0 * UNIT;
+pub const STRIP: f32 = 4.5 * UNIT;
+pub const STRIP_INSET: f32 = UNIT;
+pub const TIME_AXIS: f32 = 5.0 * UNIT;
+pub const TICK_DISTANCE: [f32; 2] = [20.0 * UNIT, 9.0 * UNIT];
+pub const SAMPLE_MARK: f32 = 3.0;
+
+pub const HAIRLINE: f32 = 1.0;
+pub const TRACE: f32 = 1.5;
+pub const OUTLINE: f32 = 1.5;
+const ROUNDING: u8 = 4;
+
+pub fn separator(palette: &Palette) -> Stroke {
+    Stroke::new(HAIRLINE, palette.line)
+}
+
+/// The frame of a row or list: its ground and the room around what it holds.
+pub fn panel_frame(palette: &Palette) -> egui::Frame {
+    egui::Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(8, 8))
+}
+
+pub fn bar_frame(palette: &Palette) -> egui::Frame {
+    egui::Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(8, 2))
+}
+
+pub fn list_frame(palette: &Palette) -> egui::Frame {
+    egui::Frame::new().fill(palette.panel)
+}
+
+pub fn ground_frame(palette: &Palette) -> egui::Frame {
+    egui::Frame::new().fill(palette.ground).inner_margin(Margin { left: 16, right: 16, top: 12, bottom: 8 })
+}
+
+pub fn error_frame(palette: &Palette) -> egui::Frame {
+    egui::Frame::new().fill(palette.error_ground).inner_margin(Margin::symmetric(8, 4))
+}
+
+/// Gives both themes their looks.
+pub fn apply(ctx: &egui::Context) {
+    ctx.set_style_of(Theme::Dark, style(&DARK, Visuals::dark()));
+    ctx.set_style_of(Theme::Light, style(&LIGHT, Visuals::light()));
+}
+
+fn style(palette: &Palette, base: Visuals) -> Style {
+    let mut style = Style { animation_time: 0.0, visuals: visuals(palette, base), ..Style::default() };
+    style.text_styles = [
+        (TextStyle::Small, small()),
+        (TextStyle::Body, body()),
+        (TextStyle::Button, body()),
+        (TextStyle::Heading, heading()),
+        (TextStyle::Monospace, FontId::new(BODY, FontFamily::Monospace)),
+    ]
+    .into();
+    let spacing = &mut style.spacing;
+    spacing.item_spacing = vec2(GAP, UNIT);
+    spacing.button_padding = vec2(GAP, UNIT);
+    spacing.interact_size = vec2(CONTROL_HEIGHT, CONTROL_HEIGHT);
+    spacing.menu_margin = Margin::same(8);
+    spacing.combo_width = 0.0;
+    spacing.combo_height = NOTICES_HEIGHT;
+    style
+}
+
+fn visuals(palette: &Palette, base: Visuals) -> Visuals {
+    let mut visuals = base;
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.panel;
+    visuals.extreme_bg_color = palette.ground;
+    visuals.faint_bg_color = palette.panel;
+    visuals.code_bg_color = palette.raised;
+    visuals.text_edit_bg_color = Some(palette.ground);
+    visuals.weak_text_color = Some(palette.quiet);
+    visuals.hyperlink_color = palette.accent;
+    visuals.warn_fg_color = palette.warning;
+    visuals.error_fg_color = palette.error;
+    visuals.window_stroke = Stroke::new(HAIRLINE, palette.raised_pressed);
+    visuals.window_shadow = Shadow::NONE;
+    visuals.popup_shadow = Shadow { offset: [0, 4], blur: 12, spread: 0, color: Color32::from_black_alpha(60) };
+    visuals.window_corner_radius = CornerRadius::same(ROUNDING);
+    visuals.menu_corner_radius = CornerRadius::same(ROUNDING);
+    visuals.selection.bg_fill = palette.selection;
+    visuals.selection.stroke = Stroke::new(HAIRLINE, palette.text);
+    // A blinking cursor would draw the window anew twice a second.
+    visuals.text_cursor.blink = false;
+    let widgets = &mut visuals.widgets;
+    let states = [
+        (&mut widgets.noninteractive, palette.panel, palette.line),
+        (&mut widgets.inactive, palette.raised, palette.raised),
+        (&mut widgets.hovered, palette.raised_hovered, palette.raised_hovered),
+        (&mut widgets.active, palette.raised_pressed, palette.raised_pressed),
+        (&mut widgets.open, palette.raised_hovered, palette.raised_hovered),
+    ];
+    for (state, fill, edge) in states {
+        state.bg_fill = fill;
+        state.weak_bg_fill = fill;
+        state.bg_stroke = Stroke::new(HAIRLINE, edge);
+        state.fg_stroke = Stroke::new(HAIRLINE, palette.text);
+        state.corner_radius = CornerRadius::same(ROUNDING);
+        state.expansion = 0.0;
+    }
+    visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(colour: Color32) -> f64 {
+        let linear = |byte: u8| {
+            let part = f64::from(byte) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn text_can_be_read_on_every_ground() {
+        for palette in [DARK, LIGHT] {
+            let texts = [palette.text, palette.quiet, palette.old, palette.accent, palette.ok, palette.warning, palette.error];
+            for text in texts {
+                for ground in [palette.ground, palette.panel] {
+                    assert!(contrast(text, ground) >= 4.5, "{text:?} on {ground:?}: {:.2}", contrast(text, ground));
+                }
+            }
+            for ground in [palette.selection, palette.raised, palette.raised_hovered, palette.error_ground] {
+                assert!(contrast(palette.text, ground) >= 4.5);
+            }
+            assert!(contrast(palette.error, palette.error_ground) >= 4.5);
+            assert!(contrast(palette.quiet, palette.selection) >= 4.0);
+        }
+    }
+
+    #[test]
+    fn marks_stand_out_from_the_ground() {
+        for palette in [DARK, LIGHT] {
+            let marks = [palette.motion, palette.output, palette.sound, palette.alarm];
+            for mark in palette.series.into_iter().chain(marks) {
+                assert!(contrast(mark, palette.ground) >= 3.0, "{mark:?}");
+            }
+        }
+    }
+
+    /// How a red-green blind person sees a colour (Viénot, Brettel and Mollon 1999, in linear light).
+    fn without_green(colour: Color32) -> [f64; 3] {
+        let linear = |byte: u8| (f64::from(byte) / 255.0).powf(2.2);
+        let (r, g, b) = (linear(colour.r()), linear(colour.g()), linear(colour.b()));
+        let yellow = 0.29275 * r + 0.70725 * g;
+        [yellow, yellow, (b - 0.02234 * r + 0.02234 * g).max(0.0)].map(|part| part.powf(1.0 / 2.2))
+    }
+
+    #[test]
+    fn series_of_one_plot_differ_for_red_green_blind_people() {
+        for palette in [DARK, LIGHT] {
+            let [temperature, _, dew_point, ..] = palette.series.map(without_green);
+            let distance: f64 = temperature.iter().zip(dew_point).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            assert!(distance > 0.3, "{distance}");
+        }
+    }
+
+    #[test]
+    fn digits_are_equally_wide() {
+        let ctx = egui::Context::default();
+        let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
+        ctx.fonts_mut(|fonts| {
+            for font in [small(), body(), digits()] {
+                let widths: Vec<f32> = ('0'..='9').map(|digit| fonts.glyph_width(&font, digit)).collect();
+                assert!(widths.windows(2).all(|pair| pair[0] == pair[1]), "{widths:?}");
+            }
+        });
+    }
+}

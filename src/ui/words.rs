@@ -1,0 +1,101 @@
+//! How the window writes times, spans, addresses and line settings.
+
+use std::time::Duration;
+
+use jiff::{Timestamp, tz::TimeZone};
+
+use crate::bus::Target;
+use crate::protocol::Protocol;
+
+/// Stands for a value that is not known.
+pub const UNKNOWN: &str = "–";
+
+/// `12 s`, `4 min 10 s`, `3 h 20 min`: what remains, or how long something takes.
+pub fn span(span: Duration) -> String {
+    let seconds = span.as_millis().div_ceil(1_000);
+    match seconds {
+        0..60 => format!("{seconds} s"),
+        60..3_600 => format!("{} min {} s", seconds / 60, seconds % 60),
+        _ => format!("{} h {} min", seconds / 3_600, seconds % 3_600 / 60),
+    }
+}
+
+/// How old something is, in whole units.
+pub fn age(age: Duration) -> String {
+    let seconds = age.as_secs();
+    match seconds {
+        0..60 => format!("{seconds} s"),
+        60..3_600 => format!("{} min", seconds / 60),
+        _ => format!("{} h", seconds / 3_600),
+    }
+}
+
+/// How long ago `at` was; never negative.
+pub fn since(at: Timestamp, now: Timestamp) -> Duration {
+    now.duration_since(at).try_into().unwrap_or_default()
+}
+
+/// Decimal and hexadecimal, as on the module's switches: `160 (A0h)`.
+pub fn address(address: u8) -> String {
+    format!("{address} ({address:02X}h)")
+}
+
+/// `Modbus RTU 9600 N81`, `DCON 19200 N81 checksum`, `Modbus TCP`.
+pub fn spoken(target: &Target) -> String {
+    let Target { protocol, settings, checksum, .. } = target;
+    if *protocol == Protocol::ModbusTcp {
+        return protocol.label().to_owned();
+    }
+    let checksum = if *checksum { " checksum" } else { "" };
+    format!("{} {settings}{checksum}", protocol.label())
+}
+
+/// Poll intervals: `0.2 s`, `5 s`, `1 min`.
+pub fn interval(interval: Duration) -> String {
+    match interval.as_millis() {
+        0 => "as fast as the line allows".to_owned(),
+        milliseconds if milliseconds % 1_000 != 0 => format!("{} s", interval.as_secs_f32()),
+        milliseconds if milliseconds % 60_000 == 0 => format!("{} min", milliseconds / 60_000),
+        milliseconds => format!("{} s", milliseconds / 1_000),
+    }
+}
+
+/// Local time of day, with so many decimals of a second.
+pub fn time_of_day(seconds_utc: f64, decimals: u8) -> String {
+    // Half a millisecond, so that 59.9999 is shown as the next second and not cut.
+    let Ok(at) = Timestamp::from_millisecond((seconds_utc * 1e3).round() as i64) else { return UNKNOWN.to_owned() };
+    let format = if decimals == 0 { "%H:%M:%S" } else { "%H:%M:%S%.1f" };
+    at.to_zoned(TimeZone::system()).strftime(format).to_string()
+}
+
+/// Seconds since 1970 UTC, as trends count them.
+pub fn seconds(at: Timestamp) -> f64 {
+    at.as_nanosecond() as f64 / 1e9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_are_rounded_up_and_name_two_units_at_most() {
+        let text = |milliseconds| span(Duration::from_millis(milliseconds));
+        assert_eq!(text(0), "0 s");
+        assert_eq!(text(11_200), "12 s");
+        assert_eq!(text(250_000), "4 min 10 s");
+        assert_eq!(text(12_000_000), "3 h 20 min");
+    }
+
+    #[test]
+    fn what_lies_ahead_has_no_age() {
+        let now = Timestamp::UNIX_EPOCH;
+        assert_eq!(since(now + Duration::from_secs(5), now), Duration::ZERO);
+        assert_eq!(age(since(now, now + Duration::from_secs(61))), "1 min");
+    }
+
+    #[test]
+    fn intervals_read_as_a_person_would_say_them() {
+        let text = |milliseconds| interval(Duration::from_millis(milliseconds));
+        assert_eq!([text(200), text(1_000), text(60_000)], ["0.2 s", "1 s", "1 min"]);
+    }
+}
