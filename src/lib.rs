@@ -2,6 +2,20 @@
 //!
 //! `ARCHITECTURE.md` shows the rooms and how they depend on each other.
 
+#![forbid(unsafe_code)]
+// Nothing from outside may panic: bytes, files, arguments and answers are taken apart with `get` and `?` only.
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::todo,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
 pub mod bench;
 pub mod bus;
 pub mod cli;
@@ -10,3 +24,4 @@ pub mod module;
 pub mod protocol;
 pub mod record;
 pub mod sim;
+pub mod ui;

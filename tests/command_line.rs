@@ -290,7 +290,7 @@ fn wrong_usage_ends_with_2() {
         (&["scan", "--tcp", "localhost", "--full"], "--full"),
         (&["send", "--tcp", "localhost", "$01M"], "serial lines"),
         (&["action", "--tcp", "localhost:1", "--address", "1", "reboot"], "--yes"),
-        (&["set", "--tcp", "localhost:1", "--address", "1", "address=2"], "not offered over Modbus TCP"),
+        (&["set", "--tcp", "localhost:1", "--address", "1", "checksum=on"], "not offered over Modbus TCP"),
         (&["simulate", "pir-999@1"], "pir-130, pir-230"),
         (&["simulate", "pir-234"], "MODEL@ADDRESS"),
         (&["simulate", "--tcp", "nowhere"], "127.0.0.1:1502"),
@@ -378,7 +378,7 @@ fn watch_prints_a_line_for_each_set_of_readings() {
     assert!(shown.starts_with("{\"time\":\""), "{shown}");
     assert!(sets[0]["temperature_c"].is_number() && sets[0]["pir"].is_boolean() && sets[0].get("name").is_none());
     let plain = good(&demo("watch --address 1 --interval 50ms --count 2"));
-    assert_eq!(plain.lines().filter(|line| line.contains(" °C  humidity=")).count(), 2, "{plain}");
+    assert_eq!(plain.lines().filter(|line| line.contains(" °F  humidity=")).count(), 2, "{plain}");
 }
 
 #[test]
@@ -419,6 +419,8 @@ fn watch_goes_on_while_the_module_is_silent() {
     good(&["set", "--tcp", &place, "--address", "1", "net_id=2"]);
     wait_for(false);
     good(&["set", "--tcp", &place, "--address", "2", "net_id=1"]);
+    wait_for(true);
+    // What there was to be said about that set was said before the next one.
     wait_for(true);
     watch.child.kill().unwrap();
     let reasons: Vec<String> =

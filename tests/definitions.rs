@@ -7,22 +7,68 @@ use dcon_bench::protocol::Protocol;
 
 /// The public names of both models' parameters and readings, by protocol.
 const COMMON: &[&str] = &[
-    "name", "firmware", "address", "baud_rate", "data_format", "protocol", "response_delay", "reset_status",
-    "pir_on_time", "alarm_mode", "alarm_limit", "alarm_active", "pir_active_delay", "buzzer_on_pir", "pir",
+    "name",
+    "firmware",
+    "address",
+    "baud_rate",
+    "data_format",
+    "protocol",
+    "response_delay",
+    "reset_status",
+    "pir_on_time",
+    "alarm_mode",
+    "alarm_limit",
+    "alarm_active",
+    "pir_active_delay",
+    "buzzer_on_pir",
+    "pir",
 ];
 const COMMON_DCON_ONLY: &[&str] = &["checksum", "output_active_state"];
 const PIR_130: &[&str] = &["lux_level", "sensitivity", "relay"];
 const PIR_234: &[&str] = &[
-    "pir1_enabled", "pir2_enabled", "pir3_enabled", "pir4_enabled", "pir_off_time_on_start", "do0_source",
-    "do1_source", "do0", "do1", "do0_power_on", "do1_power_on", "do0_safe", "do1_safe", "temperature_offset",
-    "humidity_offset", "wdt_enabled", "wdt_timeout", "wdt_tripped", "temperature_c", "temperature_f", "humidity",
-    "dew_point_c", "dew_point_f", "temperature_c_high", "temperature_f_high", "humidity_high", "dew_point_c_high",
-    "dew_point_f_high", "temperature_c_low", "temperature_f_low", "humidity_low", "dew_point_c_low", "dew_point_f_low",
+    "pir1_enabled",
+    "pir2_enabled",
+    "pir3_enabled",
+    "pir4_enabled",
+    "pir_off_time_on_start",
+    "do0_source",
+    "do1_source",
+    "do0",
+    "do1",
+    "do0_power_on",
+    "do1_power_on",
+    "do0_safe",
+    "do1_safe",
+    "temperature_offset",
+    "humidity_offset",
+    "wdt_enabled",
+    "wdt_timeout",
+    "wdt_tripped",
+    "temperature_c",
+    "temperature_f",
+    "humidity",
+    "dew_point_c",
+    "dew_point_f",
+    "temperature_c_high",
+    "temperature_f_high",
+    "humidity_high",
+    "dew_point_c_high",
+    "dew_point_f_high",
+    "temperature_c_low",
+    "temperature_f_low",
+    "humidity_low",
+    "dew_point_c_low",
+    "dew_point_f_low",
 ];
 const PIR_234_RTU_ONLY: &[&str] = &["wdt_timeout_count"];
 const PIR_234_MODBUS_ONLY: &[&str] = &["pir1", "pir2", "pir3", "pir4", "buzzer"];
 const PIR_234_TCP_ONLY: &[&str] = &[
-    "net_id", "reset_cause", "ethernet_wdt_timeout", "ethernet_wdt_count", "tcp_idle_timeout", "module_reset_timeout",
+    "net_id",
+    "reset_cause",
+    "ethernet_wdt_timeout",
+    "ethernet_wdt_count",
+    "tcp_idle_timeout",
+    "module_reset_timeout",
 ];
 
 fn offered(model: &str, protocol: Protocol) -> BTreeSet<String> {

@@ -238,7 +238,8 @@ fn values_that_the_manuals_show_as_refused_are_never_sent() {
 
 #[test]
 fn actions_are_sent_as_the_manuals_show() {
-    let examples: [(&str, &str, &[(&str, &str)]); 6] = [
+    type Example<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)]);
+    let examples: [Example<'_>; 6] = [
         ("pir-130", "clear_alarm", &[("@03CHC0", "!03")]),
         ("pir-234", "clear_alarm", &[("@03CHC0", "!03")]),
         ("pir-234", "clear_watchdog", &[("~031", "!03")]),

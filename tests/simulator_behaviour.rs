@@ -246,7 +246,7 @@ fn what_init_mode_stores_rules_after_a_power_cycle() {
     expect(&sim, 1, &[("baud_rate", "115200"), ("data_format", "e81"), ("protocol", "dcon")]);
     assert_eq!(register(&mut line, 1, 486), Ok(0x8A), "still at 9600 and in Modbus");
     sim.power_cycle(1);
-    assert_eq!(modbus(&mut line, &[1, 3, 1, 0xE5, 0, 1]), []);
+    assert_eq!(modbus(&mut line, &[1, 3, 1, 0xE5, 0, 1]), Vec::<u8>::new());
     let settings = dcon_bench::protocol::LineSettings {
         baud_rate: "115200".parse().unwrap(),
         data_format: "e81".parse().unwrap(),
@@ -272,7 +272,7 @@ fn the_modbus_answer_to_a_new_address_comes_from_the_old_one() {
     let (sim, mut line) = world(&["pir-234@1"]);
     assert_eq!(write_register(&mut line, 1, 485, 7), [1, 6, 1, 0xE4, 0, 7]);
     assert_eq!(register(&mut line, 7, 485), Ok(7));
-    assert_eq!(modbus(&mut line, &[1, 3, 0, 0, 0, 1]), []);
+    assert_eq!(modbus(&mut line, &[1, 3, 0, 0, 0, 1]), Vec::<u8>::new());
     assert_eq!(write_register(&mut line, 7, 485, 248), [7, 0x86, 3]);
     expect(&sim, 7, &[("address", "7")]);
     assert_eq!(sim.setting(1, "address"), None);
@@ -353,8 +353,8 @@ fn several_registers_and_coils_are_written_together_or_not_at_all() {
 #[test]
 fn a_broadcast_is_obeyed_by_all_and_answered_by_none() {
     let (sim, mut line) = world(&["pir-234@1", "pir-130@2"]);
-    assert_eq!(write_register(&mut line, 0, 513, 0x0A), []);
-    assert_eq!(modbus(&mut line, &[0, 3, 2, 0, 0, 1]), []);
+    assert_eq!(write_register(&mut line, 0, 513, 0x0A), Vec::<u8>::new());
+    assert_eq!(modbus(&mut line, &[0, 3, 2, 0, 0, 1]), Vec::<u8>::new());
     for address in [1, 2] {
         expect(&sim, address, &[("pir_on_time", "393")]);
     }

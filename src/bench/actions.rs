@@ -13,10 +13,17 @@ pub enum Action {
     /// Look again which ports there are.
     RefreshPorts,
     /// Open a line; the one that was open is closed.
-    Connect { line: LineAddress, settings: LineSettings },
+    Connect {
+        line: LineAddress,
+        settings: LineSettings,
+    },
     Disconnect,
     /// Search a line for modules, opening it first if it is not open.
-    Scan { line: LineAddress, settings: LineSettings, plan: ScanPlan },
+    Scan {
+        line: LineAddress,
+        settings: LineSettings,
+        plan: ScanPlan,
+    },
     PauseScan(bool),
     CancelScan,
     /// Show a module, and poll it from now on.

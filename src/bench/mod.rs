@@ -14,9 +14,7 @@ pub use actions::Action;
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
 
-use crate::bus::{
-    Bus, Frame, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports,
-};
+use crate::bus::{Bus, Frame, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
 use crate::module::{Catalogue, FileError};
 use crate::protocol::LineSettings;
 

@@ -18,7 +18,9 @@ pub enum Presence {
     Found,
     Answering,
     /// The last poll brought nothing.
-    Silent { failure: Failure },
+    Silent {
+        failure: Failure,
+    },
 }
 
 /// A value with its age and state. A value that grows old stays; it is never replaced by nothing.

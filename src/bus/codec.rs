@@ -20,7 +20,7 @@ pub fn transact(
     runtime: &Runtime,
     unit: u8,
     query: &Query,
-    exchange: &mut dyn FnMut(&[u8]) -> Result<Vec<u8>, Failure>,
+    mut exchange: impl FnMut(&[u8]) -> Result<Vec<u8>, Failure>,
 ) -> Result<Reply, Failure> {
     let request = request_of(query)?;
     let mut failure = None;
@@ -97,7 +97,7 @@ mod tests {
 
     fn ask(query: &Query, answer: &str) -> (String, Result<Reply, Failure>) {
         let mut sent = Vec::new();
-        let reply = transact(&runtime(), 1, query, &mut |request| {
+        let reply = transact(&runtime(), 1, query, |request| {
             sent = request.to_vec();
             Ok(hex::parse(answer).unwrap())
         });
@@ -133,6 +133,6 @@ mod tests {
     #[test]
     fn a_failed_exchange_is_told_as_it_is() {
         let query = Query::ReadCoils { first: 0, count: 1 };
-        assert_eq!(transact(&runtime(), 1, &query, &mut |_| Err(Failure::Silent)), Err(Failure::Silent));
+        assert_eq!(transact(&runtime(), 1, &query, |_| Err(Failure::Silent)), Err(Failure::Silent));
     }
 }

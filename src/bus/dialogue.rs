@@ -44,7 +44,8 @@ impl Dialogue {
             LineAddress::Simulated { sim, .. } => wire(Box::new(sim.line()), tap)?,
             LineAddress::Tcp { host, port } => {
                 let link = TcpLink::connect(&runtime, host, *port, tap);
-                let not_reached = |reason| LineProblem { line: address.to_string(), kind: ProblemKind::NotReached(reason) };
+                let not_reached =
+                    |reason| LineProblem { line: address.to_string(), kind: ProblemKind::NotReached(reason) };
                 Link::Tcp(Box::new(link.map_err(not_reached)?))
             }
         };
@@ -130,9 +131,7 @@ impl Dialogue {
             (Link::Wire(wire), Protocol::Dcon) => ask_dcon(wire, target.checksum, query, window),
             (Link::Wire(wire), Protocol::ModbusRtu) => {
                 let expected = Expected::Rtu { address: target.address };
-                codec::transact(&self.runtime, target.address, query, &mut |frame| {
-                    wire.exchange(frame, &expected, window)
-                })
+                codec::transact(&self.runtime, target.address, query, |frame| wire.exchange(frame, &expected, window))
             }
         }
     }

@@ -6,8 +6,13 @@ use crate::protocol::{AnswerFrom, Failure, dcon};
 /// What may come back.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Expected {
-    Dcon { checksum: bool, from: AnswerFrom },
-    Rtu { address: u8 },
+    Dcon {
+        checksum: bool,
+        from: AnswerFrom,
+    },
+    Rtu {
+        address: u8,
+    },
     /// A broadcast: nobody answers.
     Nothing,
 }
@@ -231,7 +236,10 @@ mod tests {
         let request = modbus::with_crc(READ);
         let answer = modbus::with_crc(&[1, 3, 2, 0, 7]);
         let noisy = [&[0x00, 0xFF][..], &answer, &[0xFF]].concat();
-        assert_eq!(so_far(&request, &rtu(), &noisy, false), Verdict::Answer { bytes: answer, echo: false, noise: true });
+        assert_eq!(
+            so_far(&request, &rtu(), &noisy, false),
+            Verdict::Answer { bytes: answer, echo: false, noise: true }
+        );
     }
 
     #[test]

@@ -72,24 +72,69 @@ pub enum BusCommand {
 /// Tells what happened on the bus.
 #[derive(Debug, Clone)]
 pub enum BusEvent {
-    Opened { id: RequestId, line: String },
-    OpenFailed { id: RequestId, line: String, problem: LineProblem },
-    Closed { id: RequestId },
+    Opened {
+        id: RequestId,
+        line: String,
+    },
+    OpenFailed {
+        id: RequestId,
+        line: String,
+        problem: LineProblem,
+    },
+    Closed {
+        id: RequestId,
+    },
     /// The port vanished while it was open; the thread keeps trying to take it up again.
-    LineLost { reason: String },
+    LineLost {
+        reason: String,
+    },
     /// The port is there again, with its settings.
     LineRestored,
-    ScanProgress { id: RequestId, progress: ScanProgress },
+    ScanProgress {
+        id: RequestId,
+        progress: ScanProgress,
+    },
     /// A module answered the scan.
-    Found { id: RequestId, target: Target, identified: Identified },
-    ScanEnded { id: RequestId, summary: ScanSummary },
-    Identified { id: RequestId, target: Target, result: Result<Identified, Failure> },
+    Found {
+        id: RequestId,
+        target: Target,
+        identified: Identified,
+    },
+    ScanEnded {
+        id: RequestId,
+        summary: ScanSummary,
+    },
+    Identified {
+        id: RequestId,
+        target: Target,
+        result: Result<Identified, Failure>,
+    },
     /// `at` is when the answer's last byte had arrived.
-    Read { id: RequestId, target: Target, at: Timestamp, values: Values },
-    Written { id: RequestId, target: Target, item: String, at: Timestamp, result: Result<Value, WriteError> },
-    Acted { id: RequestId, target: Target, action: String, at: Timestamp, result: Result<(), WriteError> },
+    Read {
+        id: RequestId,
+        target: Target,
+        at: Timestamp,
+        values: Values,
+    },
+    Written {
+        id: RequestId,
+        target: Target,
+        item: String,
+        at: Timestamp,
+        result: Result<Value, WriteError>,
+    },
+    Acted {
+        id: RequestId,
+        target: Target,
+        action: String,
+        at: Timestamp,
+        result: Result<(), WriteError>,
+    },
     /// The answer's bytes as they were verified; empty for a broadcast.
-    RawAnswer { id: RequestId, result: Result<Vec<u8>, Failure> },
+    RawAnswer {
+        id: RequestId,
+        result: Result<Vec<u8>, Failure>,
+    },
     /// Bytes passed the tap.
     Traffic(Frame),
     Statistics(Statistics),

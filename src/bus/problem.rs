@@ -25,7 +25,10 @@ impl fmt::Display for LineProblem {
         let Self { line, kind } = self;
         match kind {
             ProblemKind::NoSuchPort { present } if present.is_empty() => {
-                write!(f, "There is no port {line}, nor any other – plug in the adapter, or try the simulated line (--demo)")
+                write!(
+                    f,
+                    "There is no port {line}, nor any other – plug in the adapter, or try the simulated line (--demo)"
+                )
             }
             ProblemKind::NoSuchPort { present } => {
                 write!(f, "There is no port {line} – present are {}", present.join(", "))
@@ -44,7 +47,9 @@ impl fmt::Display for LineProblem {
             ProblemKind::NotReached(reason) => {
                 write!(f, "{line} could not be reached ({reason}) – check the cable, the address and the port number")
             }
-            ProblemKind::Other(reason) => write!(f, "{line} could not be opened: {reason} – unplug and replug the adapter"),
+            ProblemKind::Other(reason) => {
+                write!(f, "{line} could not be opened: {reason} – unplug and replug the adapter")
+            }
         }
     }
 }

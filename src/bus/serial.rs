@@ -48,7 +48,8 @@ fn port_order(name: &str) -> (String, u32) {
 fn describe(port: serialport::SerialPortInfo) -> PortInfo {
     let description = match &port.port_type {
         SerialPortType::UsbPort(usb) => {
-            let words: Vec<&str> = [&usb.product, &usb.manufacturer].into_iter().flatten().map(String::as_str).collect();
+            let words: Vec<&str> =
+                [&usb.product, &usb.manufacturer].into_iter().flatten().map(String::as_str).collect();
             if words.is_empty() { format!("USB {:04x}:{:04x}", usb.vid, usb.pid) } else { words.join(", ") }
         }
         SerialPortType::BluetoothPort => "Bluetooth".to_owned(),
@@ -77,8 +78,7 @@ pub struct SerialLine {
 
 impl SerialLine {
     pub fn open(name: &str, settings: LineSettings) -> Result<Self, LineProblem> {
-        let problem =
-            |error| LineProblem::of_serial(name, &error, ports().into_iter().map(|port| port.name).collect());
+        let problem = |error| LineProblem::of_serial(name, &error, ports().into_iter().map(|port| port.name).collect());
         let mut port = serialport::new(name, settings.baud_rate.bps())
             .data_bits(DataBits::Eight)
             .flow_control(FlowControl::None)

@@ -91,8 +91,7 @@ pub struct Patience {
 
 impl Patience {
     /// For a module that is known to be there. The vendor's utility waits 200 ms too (PIR-234 manual 4.3).
-    pub const CONVERSATION: Self =
-        Self { window: Duration::from_millis(200), after_silence: 1, after_garbage: 2 };
+    pub const CONVERSATION: Self = Self { window: Duration::from_millis(200), after_silence: 1, after_garbage: 2 };
 
     /// For polls: the next poll asks again anyway.
     pub const POLL: Self = Self { after_silence: 0, ..Self::CONVERSATION };

@@ -13,9 +13,9 @@ use jiff::Timestamp;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::runtime::Runtime;
+use tokio_modbus::Slave;
 use tokio_modbus::client::{Client, Context as ModbusContext, tcp};
 use tokio_modbus::prelude::SlaveContext;
-use tokio_modbus::Slave;
 
 use super::codec;
 use super::tap::{Clock, Direction, Frame, Tap};
@@ -44,7 +44,8 @@ struct TimedTap {
 impl TcpLink {
     pub fn connect(runtime: &Runtime, host: &str, port: u16, tap: Tap) -> Result<Self, String> {
         let tap = Arc::new(Mutex::new(TimedTap { clock: Clock::starting(Instant::now()), tap }));
-        let mut link = Self { host: host.to_owned(), port, client: None, tap, answer_time: None, last_used: Instant::now() };
+        let mut link =
+            Self { host: host.to_owned(), port, client: None, tap, answer_time: None, last_used: Instant::now() };
         link.client = Some(link.open(runtime)?);
         Ok(link)
     }
@@ -94,9 +95,8 @@ impl TcpLink {
         };
         client.set_slave(Slave(unit));
         let started = Instant::now();
-        let answered = runtime.block_on(async {
-            tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await
-        });
+        let answered =
+            runtime.block_on(async { tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await });
         match answered {
             Ok(Err(tokio_modbus::Error::Transport(error))) => Err(Failure::LineLost(error.to_string())),
             Ok(answered) => {

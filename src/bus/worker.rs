@@ -275,7 +275,7 @@ impl Worker {
 
     /// Polls the module whose turn it is. False if none is due.
     fn poll(&mut self) -> bool {
-        if !self.line.as_ref().is_some_and(|line| line.dialogue.is_some()) {
+        if self.line.as_ref().is_none_or(|line| line.dialogue.is_none()) {
             return false;
         }
         let Some(watch) = self.watches.take_due(Instant::now()) else { return false };

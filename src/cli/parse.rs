@@ -26,14 +26,11 @@ impl<T: PartialEq> List<T> {
 }
 
 /// `all`, or words separated by commas.
-fn words<T: PartialEq, E: Display>(
+fn words<T: Clone + PartialEq, E: Display>(
     text: &str,
     all: &[T],
     read: impl Fn(&str) -> Result<T, E>,
-) -> Result<List<T>, String>
-where
-    T: Clone,
-{
+) -> Result<List<T>, String> {
     if text.trim().eq_ignore_ascii_case("all") {
         return Ok(List(all.to_vec()));
     }

@@ -9,7 +9,7 @@ use super::stop::Stop;
 use super::{Outcome, names, output};
 use crate::bus::{ItemSet, Target, Values};
 use crate::module::{Applies, Item, Value, WriteError, moves_to};
-use crate::protocol::{Failure, Protocol};
+use crate::protocol::Failure;
 
 /// Options of `set`.
 #[derive(Debug, Clone, Args)]
@@ -69,8 +69,11 @@ fn refuse_repeated(values: &[Assignment]) -> Outcome {
 
 /// Two modules at one address could be separated only by disconnecting one of them.
 fn refuse_taken_address(module: &Module, item: &Item, value: &Value) -> Outcome {
-    let Some(address) = moves_to(item, value) else { return Ok(()) };
-    if module.target.protocol == Protocol::ModbusTcp || address == module.target.address {
+    let Some(address) = moves_to(item, value).filter(|address| *address != module.target.address) else {
+        return Ok(());
+    };
+    // A NetID is the unit number within one connection: nobody else can have it.
+    if item.id == "net_id" {
         return Ok(());
     }
     let place = Target { address, ..module.target };

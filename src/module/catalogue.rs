@@ -91,11 +91,9 @@ impl Catalogue {
                 Ok(definition) => {
                     catalogue.definitions.insert(definition.id.clone(), definition.into());
                 }
-                Err(Problem { at, reason }) => errors.push(FileError {
-                    file: source.name.clone(),
-                    line: Some(line_of(&source.text, at)),
-                    reason,
-                }),
+                Err(Problem { at, reason }) => {
+                    errors.push(FileError { file: source.name.clone(), line: Some(line_of(&source.text, at)), reason })
+                }
             }
         }
         (catalogue, errors)

@@ -41,8 +41,11 @@ pub fn check(file: &file::File) -> Checked<Definition> {
     let parameters = file.parameter.iter().map(item(ItemKind::Parameter));
     let readings = file.reading.iter().map(item(ItemKind::Reading));
     let items = parameters.chain(readings).collect::<Checked<Vec<Item>>>()?;
-    let actions =
-        file.action.iter().map(|action| in_entry(&action.id, check_action(action, file))).collect::<Checked<Vec<Action>>>()?;
+    let actions = file
+        .action
+        .iter()
+        .map(|action| in_entry(&action.id, check_action(action, file)))
+        .collect::<Checked<Vec<Action>>>()?;
     let optional = file
         .optional
         .iter()
@@ -157,12 +160,7 @@ fn known_part(part: Option<&String>, file: &file::File) -> Result<(), String> {
     }
 }
 
-fn check_item(
-    item: &file::Item,
-    item_kind: ItemKind,
-    commands: &[Command],
-    file: &file::File,
-) -> Result<Item, String> {
+fn check_item(item: &file::Item, item_kind: ItemKind, commands: &[Command], file: &file::File) -> Result<Item, String> {
     known_part(item.optional.as_ref(), file)?;
     let dcon = item.dcon.iter().map(|place| command_access(place, commands).map(Access::Command));
     let modbus = item.modbus.iter().map(|place| modbus_access(place, commands));

@@ -74,9 +74,9 @@ fn dcon_identity(catalogue: &Catalogue, address: u8, ask: &mut dyn Ask) -> Resul
         Err(failure) => return Err(failure),
     };
     let name = answer.get(3..).unwrap_or_default().trim().to_owned();
-    let definition = catalogue.iter().find(|definition| {
-        definition.identity.dcon_names.iter().any(|known| known.eq_ignore_ascii_case(&name))
-    });
+    let definition = catalogue
+        .iter()
+        .find(|definition| definition.identity.dcon_names.iter().any(|known| known.eq_ignore_ascii_case(&name)));
     Ok(Identified { definition: definition.cloned(), name, firmware: String::new(), said: answer })
 }
 
@@ -94,7 +94,8 @@ fn modbus_identity(catalogue: &Catalogue, protocol: Protocol, ask: &mut dyn Ask)
         Err(failure) => return Err(failure),
     };
     if protocol == Protocol::ModbusRtu
-        && let Ok(Reply::Bytes(bytes)) = ask.ask(&Query::Custom { function: MODULE_SETTINGS, data: vec![0], write: false })
+        && let Ok(Reply::Bytes(bytes)) =
+            ask.ask(&Query::Custom { function: MODULE_SETTINGS, data: vec![0], write: false })
         && let Some((definition, name)) = by_bytes(catalogue, bytes.get(1..).unwrap_or_default(), ask)
     {
         return Ok(named(definition, name));
@@ -108,9 +109,8 @@ fn named(definition: Arc<Definition>, name: String) -> Identified {
 }
 
 fn by_words(catalogue: &Catalogue, words: &[u16], ask: &mut dyn Ask) -> Option<(Arc<Definition>, String)> {
-    let candidates = catalogue.iter().flat_map(|definition| {
-        definition.identity.words.iter().map(move |known| (definition, known))
-    });
+    let candidates =
+        catalogue.iter().flat_map(|definition| definition.identity.words.iter().map(move |known| (definition, known)));
     for (definition, known) in candidates {
         if words == [known.low, known.high] && all_answer(&known.needs, ask) {
             return Some((definition.clone(), known.name.clone()));
@@ -120,9 +120,8 @@ fn by_words(catalogue: &Catalogue, words: &[u16], ask: &mut dyn Ask) -> Option<(
 }
 
 fn by_bytes(catalogue: &Catalogue, bytes: &[u8], ask: &mut dyn Ask) -> Option<(Arc<Definition>, String)> {
-    let candidates = catalogue.iter().flat_map(|definition| {
-        definition.identity.bytes.iter().map(move |known| (definition, known))
-    });
+    let candidates =
+        catalogue.iter().flat_map(|definition| definition.identity.bytes.iter().map(move |known| (definition, known)));
     for (definition, known) in candidates {
         if bytes == known.bytes && all_answer(&known.needs, ask) {
             return Some((definition.clone(), known.name.clone()));
@@ -133,7 +132,7 @@ fn by_bytes(catalogue: &Catalogue, bytes: &[u8], ask: &mut dyn Ask) -> Option<(A
 
 /// Whether each of these 1-based holding registers is there.
 fn all_answer(registers: &[u16], ask: &mut dyn Ask) -> bool {
-    registers.iter().all(|register| {
-        ask.ask(&Query::ReadHoldingRegisters { first: register.saturating_sub(1), count: 1 }).is_ok()
-    })
+    registers
+        .iter()
+        .all(|register| ask.ask(&Query::ReadHoldingRegisters { first: register.saturating_sub(1), count: 1 }).is_ok())
 }

@@ -59,7 +59,9 @@ impl Template {
 
     /// Names of the fields, in order.
     pub fn field_names(&self) -> impl Iterator<Item = &str> {
-        self.parts.iter().filter_map(|part| if let Part::Field { name, .. } = part { Some(name.as_str()) } else { None })
+        self.parts
+            .iter()
+            .filter_map(|part| if let Part::Field { name, .. } = part { Some(name.as_str()) } else { None })
     }
 
     pub fn has_address(&self) -> bool {

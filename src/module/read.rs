@@ -42,11 +42,7 @@ struct Question {
 
 impl ReadPlan {
     /// A plan for the named items; names that `protocol` does not offer are left out.
-    pub fn new<'a>(
-        definition: &Arc<Definition>,
-        protocol: Protocol,
-        ids: impl IntoIterator<Item = &'a str>,
-    ) -> Self {
+    pub fn new<'a>(definition: &Arc<Definition>, protocol: Protocol, ids: impl IntoIterator<Item = &'a str>) -> Self {
         let position = |id: &str| definition.items.iter().position(|item| item.id == id && item.is_offered(protocol));
         let entries = ids
             .into_iter()

@@ -119,8 +119,8 @@ fn hint(item: &Item, otherwise: &'static str) -> &'static str {
     }
 }
 
-/// The address to which a module answers once `value` stands in `item`; `None` if it stays where it is. On a serial
-/// line that is its `address`, over TCP its `net_id`; neither is offered on the other line.
+/// The address to which a module answers once `value` stands in `item`; `None` if it stays where it is. That is its
+/// `address`, or over TCP its `net_id` (a gateway passes the address on, and a module has only one of the two there).
 pub fn moves_to(item: &Item, value: &Value) -> Option<u8> {
     match value {
         Value::Number(Fixed { raw, .. }) if matches!(item.id.as_str(), "address" | "net_id") => u8::try_from(*raw).ok(),

@@ -6,16 +6,45 @@ use super::{hex, modbus};
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Query {
     /// A DCON command, address included, without checksum and CR.
-    Dcon { text: String, from: AnswerFrom, write: bool },
-    ReadCoils { first: u16, count: u16 },
-    ReadHoldingRegisters { first: u16, count: u16 },
-    ReadInputRegisters { first: u16, count: u16 },
-    WriteCoil { at: u16, on: bool },
-    WriteCoils { first: u16, values: Vec<bool> },
-    WriteRegister { at: u16, value: u16 },
-    WriteRegisters { first: u16, values: Vec<u16> },
+    Dcon {
+        text: String,
+        from: AnswerFrom,
+        write: bool,
+    },
+    ReadCoils {
+        first: u16,
+        count: u16,
+    },
+    ReadHoldingRegisters {
+        first: u16,
+        count: u16,
+    },
+    ReadInputRegisters {
+        first: u16,
+        count: u16,
+    },
+    WriteCoil {
+        at: u16,
+        on: bool,
+    },
+    WriteCoils {
+        first: u16,
+        values: Vec<bool>,
+    },
+    WriteRegister {
+        at: u16,
+        value: u16,
+    },
+    WriteRegisters {
+        first: u16,
+        values: Vec<u16>,
+    },
     /// A function outside the Modbus standard, such as 0x46.
-    Custom { function: u8, data: Vec<u8>, write: bool },
+    Custom {
+        function: u8,
+        data: Vec<u8>,
+        write: bool,
+    },
 }
 
 /// Who may answer a DCON command.

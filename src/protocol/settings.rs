@@ -29,16 +29,8 @@ pub struct BaudRate(u32);
 
 impl BaudRate {
     pub const B9600: Self = Self(9_600);
-    pub const ALL: [Self; 8] = [
-        Self(1_200),
-        Self(2_400),
-        Self(4_800),
-        Self(9_600),
-        Self(19_200),
-        Self(38_400),
-        Self(57_600),
-        Self(115_200),
-    ];
+    pub const ALL: [Self; 8] =
+        [Self(1_200), Self(2_400), Self(4_800), Self(9_600), Self(19_200), Self(38_400), Self(57_600), Self(115_200)];
 
     /// The speed of `bits_per_second`, if the modules know it.
     pub fn new(bits_per_second: u32) -> Option<Self> {
@@ -82,11 +74,7 @@ impl FromStr for BaudRate {
     type Err = UnknownWord;
 
     fn from_str(word: &str) -> Result<Self, Self::Err> {
-        word.trim()
-            .parse()
-            .ok()
-            .and_then(Self::new)
-            .ok_or_else(|| UnknownWord::new("baud rate", word, &Self::ALL))
+        word.trim().parse().ok().and_then(Self::new).ok_or_else(|| UnknownWord::new("baud rate", word, &Self::ALL))
     }
 }
 
@@ -225,11 +213,7 @@ impl LineSettings {
     /// The pause that separates two Modbus RTU frames: 3.5 characters, but 1.75 ms above 19200 bps
     /// (Modbus over serial line 1.02, 2.5.1.1).
     pub fn frame_silence(self) -> Duration {
-        if self.baud_rate.bps() > 19_200 {
-            Duration::from_micros(1_750)
-        } else {
-            self.wire_time(7) / 2
-        }
+        if self.baud_rate.bps() > 19_200 { Duration::from_micros(1_750) } else { self.wire_time(7) / 2 }
     }
 }
 

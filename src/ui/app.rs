@@ -93,7 +93,7 @@ impl App {
         Panel::bottom("status")
             .exact_size(theme::STATUS_HEIGHT)
             .frame(theme::bar_frame(palette))
-            .show(ui, |ui| status::show(ui, &mut pass, notices));
+            .show(ui, |ui| status::show(ui, &mut pass));
         if notices.waiting(bench).next().is_some() {
             let frame = theme::error_frame(palette);
             Panel::bottom("errors").frame(frame).show(ui, |ui| notices::strip(ui, bench, notices));

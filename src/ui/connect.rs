@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use eframe::egui::{self, Align, ComboBox, RichText, TextEdit, Ui};
+use eframe::egui::{self, Align, RichText, TextEdit, Ui};
 
 use super::app::Pass;
 use super::scan_form::ScanForm;
@@ -114,7 +114,7 @@ fn chosen(bench: &Bench, settings: &Settings) -> String {
 
 fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
     let text = chosen(pass.bench, pass.settings);
-    let combo = ComboBox::from_id_salt("line").width(theme::LINE_BOX_WIDTH).truncate().selected_text(text.trim_end());
+    let combo = widgets::combo("line", theme::LINE_BOX_WIDTH, text.trim_end());
     let response = combo.show_ui(ui, |ui| {
         ui.set_min_width(theme::LINE_MENU_WIDTH);
         lines(ui, pass.bench, pass.settings);
@@ -154,7 +154,8 @@ fn port_entry(ui: &mut Ui, port: &PortInfo, settings: &mut Settings) {
 }
 
 fn host(ui: &mut Ui, settings: &mut Settings) {
-    let field = TextEdit::singleline(&mut settings.host).desired_width(theme::HOST_WIDTH).hint_text("Host or host:port");
+    let field =
+        TextEdit::singleline(&mut settings.host).desired_width(theme::HOST_WIDTH).hint_text("Host or host:port");
     let response = ui.add(field);
     response.widget_info(|| egui::WidgetInfo {
         current_text_value: Some(settings.host.clone()),
@@ -165,7 +166,7 @@ fn host(ui: &mut Ui, settings: &mut Settings) {
 fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
     let chosen = &mut settings.line_settings;
     let speed = chosen.baud_rate.to_string();
-    let combo = ComboBox::from_id_salt("speed").width(theme::SPEED_WIDTH).selected_text(&speed);
+    let combo = widgets::combo("speed", theme::SPEED_WIDTH, &speed);
     let response = combo.show_ui(ui, |ui| {
         for rate in BaudRate::ALL {
             ui.selectable_value(&mut chosen.baud_rate, rate, format!("{rate} bps"));
@@ -173,7 +174,7 @@ fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
     });
     widgets::name_combo(&response.response, "Speed", &speed);
     let format = chosen.data_format.label();
-    let combo = ComboBox::from_id_salt("format").width(theme::FORMAT_WIDTH).selected_text(format);
+    let combo = widgets::combo("format", theme::FORMAT_WIDTH, format);
     let response = combo.show_ui(ui, |ui| {
         for format in DataFormat::ALL {
             ui.selectable_value(&mut chosen.data_format, format, format.label());
@@ -212,7 +213,8 @@ fn scan_menu(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
         LineChoice::Tcp => "All 247 NetIDs",
         _ => "Every address, speed, format, protocol and checksum",
     };
-    let kinds = [(Ready::Quick, "Quick scan", quick_words(pass.settings)), (Ready::Full, "Full scan", full_words.to_owned())];
+    let kinds =
+        [(Ready::Quick, "Quick scan", quick_words(pass.settings)), (Ready::Full, "Full scan", full_words.to_owned())];
     for (ready, title, explanation) in kinds {
         let plan = plan_of(ready, pass.settings);
         let title_with_time = format!("{title} – at most {}", words::span(duration_of(&plan)));
@@ -321,4 +323,3 @@ pub fn scan_with(pass: &mut Pass<'_>, plan: ScanPlan) {
         Err(reason) => pass.actions.push(Action::Notify(crate::bench::Severity::Error, reason)),
     }
 }
-

@@ -29,7 +29,8 @@ impl Dialogs {
         let (answer, pending) = sync_channel(1);
         let ctx = ctx.clone();
         let ask = move || {
-            let dialog = rfd::FileDialog::new().set_title("Add definition file").add_filter("Module definitions", &["toml"]);
+            let dialog =
+                rfd::FileDialog::new().set_title("Add definition file").add_filter("Module definitions", &["toml"]);
             // Nobody waits any more if the window was closed meanwhile.
             let _ = answer.send(dialog.pick_file());
             ctx.request_repaint();
@@ -58,7 +59,10 @@ impl Dialogs {
             Ok(None) if since.elapsed() > SOONEST_ANSWER => {}
             Ok(None) => self.path = Some(String::new()),
             Err(TryRecvError::Disconnected) => {
-                actions.push(Action::Notify(Severity::Warning, "The file dialog ended – write the path instead".to_owned()));
+                actions.push(Action::Notify(
+                    Severity::Warning,
+                    "The file dialog ended – write the path instead".to_owned(),
+                ));
                 self.path = Some(String::new());
             }
         }
@@ -69,11 +73,12 @@ impl Dialogs {
 /// Asks for a path; false when it is done with.
 fn path_field(ctx: &egui::Context, path: &mut String, actions: &mut Vec<Action>) -> bool {
     let mut open = true;
-    let modal = Modal::new(Id::new("path")).show(ctx, |ui| {
+    let modal = Modal::new(Id::unique("path")).show(ctx, |ui| {
         ui.set_width(theme::PATH_WIDTH);
         ui.heading("Add definition file");
         widgets::quiet(ui, "This system has no file dialog. Write the path of a *.toml file:");
-        let field = ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text("/home/me/my-module.toml"));
+        let field =
+            ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text("/home/me/my-module.toml"));
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
         field.request_focus();
         ui.add_space(theme::UNIT);

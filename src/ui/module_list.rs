@@ -143,7 +143,12 @@ pub fn nothing_shown(ui: &mut Ui, pass: &mut Pass<'_>) {
     let no_line = pass.connect.line(pass.bench, pass.settings).is_err();
     match pass.bench.scan() {
         _ if !pass.bench.modules().is_empty() => {
-            widgets::empty_state(ui, palette, "Choose a module", &["Click one on the left to see and poll its readings."]);
+            widgets::empty_state(
+                ui,
+                palette,
+                "Choose a module",
+                &["Click one on the left to see and poll its readings."],
+            );
         }
         Some(ScanState::Running { .. }) => {
             let lines = ["Modules appear on the left as soon as they answer."];
@@ -158,7 +163,7 @@ pub fn nothing_shown(ui: &mut Ui, pass: &mut Pass<'_>) {
 fn nothing_found(ui: &mut Ui, pass: &mut Pass<'_>) {
     let palette = theme::palette(ui);
     let lines = [
-        "Is the module powered? Its supply is 10 to 30 V.",
+        "Is the module powered? PIR-130: 10 to 30 V DC, PIR-234: 10 to 48 V DC.",
         "Are D+ and D− swapped, or is the line not terminated?",
         "Does the module speak another protocol or speed? A full scan tries them all.",
         "DIP 2 OFF: the switches rule, and the address is 160 to 191.",

@@ -25,11 +25,19 @@ impl Notices {
     }
 }
 
-fn mark(severity: Severity, palette: &Palette) -> (Glyph, Color32, &'static str) {
+fn mark(severity: Severity, palette: &Palette) -> (Glyph, Color32) {
     match severity {
-        Severity::Info => (Glyph::Ring, palette.quiet, "Note"),
-        Severity::Warning => (Glyph::Outline, palette.warning, "Warning"),
-        Severity::Error => (Glyph::Triangle, palette.error, "Error"),
+        Severity::Info => (Glyph::Ring, palette.quiet),
+        Severity::Warning => (Glyph::Outline, palette.warning),
+        Severity::Error => (Glyph::Triangle, palette.error),
+    }
+}
+
+fn word(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Info => "Note",
+        Severity::Warning => "Warning",
+        Severity::Error => "Error",
     }
 }
 
@@ -63,7 +71,7 @@ pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
         widgets::quiet(ui, "No notices");
         return;
     };
-    let (glyph, colour, word) = mark(notice.severity, palette);
+    let (glyph, colour) = mark(notice.severity, palette);
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::click());
     let galley = widgets::cut(ui, &notice.text, theme::body(), palette.quiet, width - theme::GLYPH - 2.0 * theme::GAP);
@@ -76,7 +84,7 @@ pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
     widgets::paint_glyph(ui.painter(), glyph, centre, theme::GLYPH, colour);
     ui.painter().galley(egui::pos2(left, rect.center().y - galley.size().y / 2.0), galley, palette.quiet);
     widgets::describe(&response, egui::Role::Button, "Notices");
-    let response = response.on_hover_text(format!("{word}: {}\nClick for all notices", notice.text));
+    let response = response.on_hover_text(format!("{}: {}\nClick for all notices", word(notice.severity), notice.text));
     egui::Popup::menu(&response)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| list(ui, pass));
@@ -106,7 +114,7 @@ fn list(ui: &mut Ui, pass: &mut Pass<'_>) {
 
 fn entry(ui: &mut Ui, notice: &Notice) {
     let palette = theme::palette(ui);
-    let (glyph, colour, _) = mark(notice.severity, palette);
+    let (glyph, colour) = mark(notice.severity, palette);
     ui.horizontal_top(|ui| {
         widgets::glyph(ui, glyph, colour);
         widgets::quiet(ui, &words::time_of_day(words::seconds(notice.at), 0));
@@ -115,6 +123,5 @@ fn entry(ui: &mut Ui, notice: &Notice) {
 }
 
 fn as_line(notice: &Notice) -> String {
-    let (_, _, word) = mark(notice.severity, &theme::DARK);
-    format!("{} {word}: {}\n", notice.at, notice.text)
+    format!("{} {}: {}\n", notice.at, word(notice.severity), notice.text)
 }

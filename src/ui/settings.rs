@@ -12,7 +12,7 @@ use crate::protocol::LineSettings;
 
 const KEY: &str = "view";
 /// The span of the plot when the program is new, in seconds.
-const DEFAULT_SPAN: f64 = 300.0;
+const DEFAULT_SPAN: f64 = 60.0;
 /// Shortest and longest span of the plot, in seconds.
 pub const SPANS: std::ops::RangeInclusive<f64> = 2.0..=86_400.0;
 const ZOOMS: std::ops::RangeInclusive<f32> = 0.5..=3.0;

@@ -3,13 +3,13 @@
 use eframe::egui::{Align, Color32, RichText, Ui};
 
 use super::app::Pass;
-use super::notices::{self, Notices};
+use super::notices;
 use super::theme::{self, Palette};
 use super::widgets::{self, Glyph};
 use crate::bench::LineState;
 use crate::bus::Statistics;
 
-pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, _notices: &Notices) {
+pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     ui.horizontal_centered(|ui| {
         line(ui, pass.bench.line());
         if pass.bench.line().is_open() {
@@ -41,7 +41,8 @@ fn line(ui: &mut Ui, line: &LineState) {
 
 fn facts(ui: &mut Ui, statistics: &Statistics) {
     let palette = theme::palette(ui);
-    let Statistics { transactions, errors, transactions_per_second, answer_time, echo, frames_missed, kinds } = statistics;
+    let Statistics { transactions, errors, transactions_per_second, answer_time, echo, frames_missed, kinds } =
+        statistics;
     let rate = format!("{transactions_per_second:.1} transactions/s");
     widgets::fixed_coloured(ui, theme::RATE_WIDTH, Align::Max, &rate, palette.quiet)
         .on_hover_text(format!("{transactions} transactions since the line was opened"));

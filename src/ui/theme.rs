@@ -132,7 +132,6 @@ pub fn digits() -> FontId {
 /// The unit of space; every distance is a multiple of it.
 pub const UNIT: f32 = 4.0;
 pub const GAP: f32 = 2.0 * UNIT;
-pub const GAP_WIDE: f32 = 4.0 * UNIT;
 pub const GAP_SECTION: f32 = 5.0 * UNIT;
 
 pub const WINDOW: [f32; 2] = [1280.0, 800.0];
@@ -155,6 +154,7 @@ pub const ADDRESSES_WIDTH: f32 = 50.0 * UNIT;
 pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
 pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
 pub const INTERVAL_WIDTH: f32 = 48.0 * UNIT;
+pub const POLLING_WIDTH: f32 = 28.0 * UNIT;
 pub const EMPTY_STATE_WIDTH: f32 = 110.0 * UNIT;
 pub const NOTICES_WIDTH: f32 = 140.0 * UNIT;
 pub const NOTICES_HEIGHT: f32 = 80.0 * UNIT;
@@ -174,30 +174,30 @@ pub const ROW_HEIGHT: f32 = 16.0 * UNIT;
 pub const ROW_MARGIN: f32 = 2.0 * UNIT;
 
 /// Readings.
-pub const READING: [f32; 2] = [46.0 * UNIT, 20.0 * UNIT];
+pub const READING: [f32; 2] = [46.0 * UNIT, 18.0 * UNIT];
 pub const READING_DIGITS: f32 = 29.0 * UNIT;
-pub const LAMP_CELL: [f32; 2] = [56.0 * UNIT, 6.0 * UNIT];
-pub const LAMP_WORD: f32 = 14.0 * UNIT;
+/// Least width of a lamp with its name and word; they share what room there is.
+pub const LAMP_CELL: [f32; 2] = [47.0 * UNIT, 6.0 * UNIT];
+pub const LAMP_GUTTER: f32 = 4.0 * UNIT;
 
 /// The plot.
-pub const LEGEND_WIDTH: f32 = 46.0 * UNIT;
+pub const LEGEND_WIDTH: f32 = 44.0 * UNIT;
 pub const Y_LABELS: f32 = 12.0 * UNIT;
 pub const LEGEND_ROW: f32 = 5.0 * UNIT;
 pub const PLOT_LEAST: f32 = 22.0 * UNIT;
 pub const STRIP: f32 = 4.5 * UNIT;
 pub const STRIP_INSET: f32 = UNIT;
 pub const TIME_AXIS: f32 = 5.0 * UNIT;
-pub const TICK_DISTANCE: [f32; 2] = [20.0 * UNIT, 9.0 * UNIT];
+/// Least distance between two ticks, across and upwards.
+pub const TICK_DISTANCE: [f32; 2] = [20.0 * UNIT, 6.0 * UNIT];
 pub const SAMPLE_MARK: f32 = 3.0;
 
 pub const HAIRLINE: f32 = 1.0;
 pub const TRACE: f32 = 1.5;
 pub const OUTLINE: f32 = 1.5;
+/// How much of the accent covers a selected span.
+pub const SELECTION_FILL: f32 = 0.2;
 const ROUNDING: u8 = 4;
-
-pub fn separator(palette: &Palette) -> Stroke {
-    Stroke::new(HAIRLINE, palette.line)
-}
 
 /// The frame of a row or list: its ground and the room around what it holds.
 pub fn panel_frame(palette: &Palette) -> egui::Frame {
@@ -306,7 +306,8 @@ mod tests {
     #[test]
     fn text_can_be_read_on_every_ground() {
         for palette in [DARK, LIGHT] {
-            let texts = [palette.text, palette.quiet, palette.old, palette.accent, palette.ok, palette.warning, palette.error];
+            let texts =
+                [palette.text, palette.quiet, palette.old, palette.accent, palette.ok, palette.warning, palette.error];
             for text in texts {
                 for ground in [palette.ground, palette.panel] {
                     assert!(contrast(text, ground) >= 4.5, "{text:?} on {ground:?}: {:.2}", contrast(text, ground));

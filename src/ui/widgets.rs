@@ -93,6 +93,15 @@ pub fn describe(response: &Response, role: Role, text: &str) {
     response.widget_info(|| WidgetInfo::labeled(role, true, text));
 }
 
+/// A box that shows the choice and opens the list of choices.
+pub fn combo<'a>(id: &str, width: f32, chosen: &str) -> egui::ComboBox<'a> {
+    egui::ComboBox::from_id_salt(id)
+        .width(width)
+        .truncate()
+        .icon(|ui, rect, visuals, _| paint_caret(ui.painter(), rect.center(), visuals.text_color()))
+        .selected_text(chosen.to_owned())
+}
+
 /// Gives a combo box its name; egui tells its value only.
 pub fn name_combo(response: &Response, name: &str, value: &str) {
     response.widget_info(|| WidgetInfo {
@@ -158,7 +167,8 @@ pub fn menu(ui: &mut Ui, text: &str, name: &str, contents: impl FnOnce(&mut Ui))
 
 fn paint_caret(painter: &Painter, centre: Pos2, colour: Color32) {
     let half = theme::CARET / 2.0;
-    let corners = vec![centre + vec2(-half, -half / 2.0), centre + vec2(half, -half / 2.0), centre + vec2(0.0, half / 2.0)];
+    let corners =
+        vec![centre + vec2(-half, -half / 2.0), centre + vec2(half, -half / 2.0), centre + vec2(0.0, half / 2.0)];
     painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
 }
 
@@ -190,8 +200,7 @@ pub fn chip(ui: &mut Ui, on: bool, text: &str, name: &str) -> bool {
 /// A bar that shows how far something is.
 pub fn progress(ui: &mut Ui, part: f32, name: &str) {
     let palette = theme::palette(ui);
-    let (room, response) =
-        ui.allocate_exact_size(vec2(theme::PROGRESS_WIDTH, theme::CONTROL_HEIGHT), Sense::hover());
+    let (room, response) = ui.allocate_exact_size(vec2(theme::PROGRESS_WIDTH, theme::CONTROL_HEIGHT), Sense::hover());
     let rect = Rect::from_center_size(room.center(), vec2(room.width(), theme::PROGRESS_HEIGHT));
     let rounding = theme::PROGRESS_HEIGHT / 2.0;
     ui.painter().rect_filled(rect, rounding, palette.raised);

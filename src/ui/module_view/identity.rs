@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use eframe::egui::{self, Align, ComboBox, RichText, Ui};
+use eframe::egui::{self, Align, RichText, Ui};
 
 use crate::bench::{Action, DEFAULT_INTERVAL, Module, Presence};
 use crate::ui::app::Pass;
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, polling: &mut Pol
         widgets::at_right(ui, |ui| unit_toggle(ui, &mut pass.settings.temperature));
     });
     ui.horizontal(|ui| {
-        let controls = theme::INTERVAL_WIDTH + theme::LEFT_WIDTH + 2.0 * theme::GAP;
+        let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + 2.0 * theme::GAP;
         let width = (ui.available_width() - controls).max(0.0);
         let palette = theme::palette(ui);
         let response = widgets::fixed_coloured(ui, width, Align::Min, &facts(module), palette.quiet);
@@ -82,7 +82,7 @@ fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, po
         Duration::ZERO => words::interval(Duration::ZERO),
         interval => format!("every {}", words::interval(interval)),
     };
-    let combo = ComboBox::from_id_salt("interval").width(theme::INTERVAL_WIDTH).selected_text(&text);
+    let combo = widgets::combo("interval", theme::INTERVAL_WIDTH, &text);
     let response = combo.show_ui(ui, |ui| {
         for choice in INTERVALS.map(Duration::from_millis) {
             if ui.selectable_label(polling.interval == choice, words::interval(choice)).clicked() {
@@ -95,14 +95,12 @@ fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, po
 }
 
 fn pause_button(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, polling: &Polling) {
-    let (text, name, action) = match module.interval {
-        Some(_) => ("Pause", "Pause polling", Action::StopPolling(module.target)),
-        None => ("Poll", "Resume polling", Action::SetInterval(module.target, polling.interval)),
+    let (text, action) = match module.interval {
+        Some(_) => ("Pause polling", Action::StopPolling(module.target)),
+        None => ("Resume polling", Action::SetInterval(module.target, polling.interval)),
     };
-    let button = egui::Button::new(text).min_size(egui::vec2(theme::LEFT_WIDTH, theme::CONTROL_HEIGHT));
-    let response = ui.add(button).on_hover_text(name);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-    if response.clicked() {
+    let button = egui::Button::new(text).min_size(egui::vec2(theme::POLLING_WIDTH, theme::CONTROL_HEIGHT));
+    if ui.add(button).clicked() {
         actions.push(action);
     }
 }

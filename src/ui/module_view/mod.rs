@@ -1,7 +1,9 @@
 //! The middle of the window: the module in view.
 
 mod identity;
+mod legend;
 mod live_plot;
+mod number_plot;
 mod readings;
 mod series;
 mod strips;

@@ -1,7 +1,7 @@
 //! The live values in large digits, and switches as lamps. A value that has grown old stays, greyed and with its
 //! age; one that is not known is a dash.
 
-use eframe::egui::{Align, Rect, Response, Role, Sense, Ui, pos2, vec2};
+use eframe::egui::{Align, Rect, Response, Role, Sense, Ui, Vec2, pos2, vec2};
 use jiff::Timestamp;
 
 use super::series::{Freshness, Series};
@@ -11,25 +11,27 @@ use crate::ui::{widgets, words};
 
 pub fn show(ui: &mut Ui, module: &Module, series: &[Series<'_>], now: Timestamp) {
     if series.iter().any(Series::is_number) {
-        cells(ui, theme::READING[0], |ui| {
+        cells(ui, |ui| {
             for number in series.iter().filter(|series| series.is_number()) {
                 number_cell(ui, module, number, now);
             }
         });
         ui.add_space(theme::UNIT);
     }
-    cells(ui, theme::LAMP_CELL[0], |ui| {
+    let [least, height] = theme::LAMP_CELL;
+    let columns = (ui.available_width() / least).floor().max(1.0);
+    let size = vec2((ui.available_width() / columns).floor(), height);
+    cells(ui, |ui| {
         for switch in series.iter().filter(|series| !series.is_number()) {
-            lamp_cell(ui, module, switch, now);
+            lamp_cell(ui, size, module, switch, now);
         }
     });
 }
 
-/// Cells of one width, as many in a row as there is room for.
-fn cells(ui: &mut Ui, width: f32, contents: impl FnOnce(&mut Ui)) {
+/// Cells without room between them, as many in a row as fit.
+fn cells(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-        ui.set_min_width(width);
         contents(ui);
     });
 }
@@ -52,26 +54,25 @@ fn number_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp
     named(ui, name, series, palette);
     let (note, colour) = note(series, &freshness, palette);
     let below = name.translate(vec2(0.0, theme::LEGEND_ROW)).with_max_y(rect.bottom());
-    widgets::line_in(ui, aligned(below), Align::Min, &note, theme::small(), colour);
+    widgets::line_in(ui, beside_mark(below), Align::Min, &note, theme::small(), colour);
     tell(response, series, &value, &freshness);
 }
 
-/// Name and note begin where the digits of most values do.
-fn aligned(rect: Rect) -> Rect {
-    rect.with_min_x(rect.left() + theme::GAP_WIDE + theme::GAP)
+/// Room for the text of name and note, to the right of the mark.
+fn beside_mark(rect: Rect) -> Rect {
+    rect.with_min_x(rect.left() + theme::SWATCH[0] + theme::UNIT)
 }
 
 fn named(ui: &Ui, rect: Rect, series: &Series<'_>, palette: &Palette) {
-    let inside = aligned(rect);
     let [width, height] = theme::SWATCH;
-    let swatch = Rect::from_center_size(pos2(inside.left() - theme::UNIT - width / 2.0, rect.center().y), vec2(width, height));
+    let swatch = Rect::from_center_size(pos2(rect.left() + width / 2.0, rect.center().y), vec2(width, height));
     ui.painter().rect_filled(swatch, height / 2.0, series.colour(palette));
-    widgets::line_in(ui, inside, Align::Min, series.label, theme::body(), palette.quiet);
+    widgets::line_in(ui, beside_mark(rect), Align::Min, series.label, theme::body(), palette.quiet);
 }
 
-fn lamp_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp) {
+fn lamp_cell(ui: &mut Ui, size: Vec2, module: &Module, series: &Series<'_>, now: Timestamp) {
     let palette = theme::palette(ui);
-    let (rect, response) = ui.allocate_exact_size(theme::LAMP_CELL.into(), Sense::hover());
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let freshness = series.freshness(module, now);
     let on = series.reading.and_then(|reading| reading.value.as_ref()).and_then(|value| value.as_bool());
     let fresh = freshness == Freshness::Fresh;
@@ -80,15 +81,14 @@ fn lamp_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp) 
         Some(false) if fresh => palette.quiet,
         _ => palette.old,
     };
-    let centre = pos2(rect.left() + theme::LAMP / 2.0 + theme::HAIRLINE, rect.center().y);
+    let centre = pos2(rect.left() + theme::LAMP / 2.0, rect.center().y);
     widgets::paint_glyph(ui.painter(), series.glyph(on), centre, theme::LAMP, colour);
-    let text = rect.with_min_x(rect.left() + theme::LAMP + theme::GAP);
+    let text = rect.with_min_x(rect.left() + theme::LAMP + theme::GAP).with_max_x(rect.right() - theme::LAMP_GUTTER);
     let word = value_text(series);
     let colour = if fresh { palette.text } else { palette.old };
-    let name = text.with_max_x(text.right() - theme::LAMP_WORD - theme::GAP);
+    let place = widgets::line_in(ui, text, Align::Max, &word, theme::body(), colour);
+    let name = text.with_max_x(place.left() - theme::UNIT);
     widgets::line_in(ui, name, Align::Min, series.label, theme::body(), palette.quiet);
-    let place = text.with_min_x(name.right()).with_max_x(text.right() - theme::GAP);
-    widgets::line_in(ui, place, Align::Min, &word, theme::body(), colour);
     tell(response, series, &word, &freshness);
 }
 

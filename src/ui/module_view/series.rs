@@ -21,7 +21,7 @@ const FRESH_INTERVALS: u32 = 3;
 const FRESH_AT_LEAST: Duration = Duration::from_secs(3);
 
 /// What a series shows, which rules its form and colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Family {
     /// A number, by its place among the numbers of the module.
     Number(usize),
@@ -52,15 +52,20 @@ pub struct Series<'a> {
     pub trend: Option<&'a Trend>,
 }
 
-/// The live items of a module in the chosen temperature unit, in the order of the definition, numbers first.
+/// The live items of a module in the chosen temperature unit: numbers first, then switches by what they show, else in
+/// the order of the definition.
 pub fn series_of(module: &Module, unit: TemperatureUnit) -> Vec<Series<'_>> {
     let Some(definition) = module.definition() else { return Vec::new() };
     let items = definition.live_items(module.target.protocol);
     let shown = items.filter(|item| is_there(module, item) && is_chosen(definition, item, unit));
-    let (numbers, switches): (Vec<&Item>, Vec<&Item>) = shown.partition(|item| matches!(item.kind, Kind::Number { .. }));
+    let (numbers, switches): (Vec<&Item>, Vec<&Item>) =
+        shown.partition(|item| matches!(item.kind, Kind::Number { .. }));
     let numbers = numbers.into_iter().enumerate().map(|(index, item)| (item, Family::Number(index)));
     let switches = switches.into_iter().map(|item| (item, family_of(&item.id)));
-    numbers.chain(switches).map(|(item, family)| Series::new(module, item, family)).collect()
+    let mut series: Vec<Series<'_>> =
+        numbers.chain(switches).map(|(item, family)| Series::new(module, item, family)).collect();
+    series.sort_by_key(|series| series.family);
+    series
 }
 
 /// An optional part counts once the module has answered for it.

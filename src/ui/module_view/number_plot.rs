@@ -1,0 +1,195 @@
+//! One plot for the numbers of one unit, on the shared span of time.
+
+use std::ops::RangeInclusive;
+
+use eframe::egui::{Align2, Painter, Rangef, Rect, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
+use egui_plot::{GridMark, Line, Plot, PlotPoints};
+
+use super::legend;
+use super::series::Series;
+use super::time_axis::TimeView;
+use crate::bench::Module;
+use crate::module::Kind;
+use crate::ui::settings::Settings;
+use crate::ui::theme::{self, Palette};
+use crate::ui::{widgets, words};
+
+/// The smallest range of values, in units of the last decimal: noise shall not look like an event.
+const LEAST_RANGE: f64 = 100.0;
+/// Room above and below the lines, as a part of their range.
+const MARGIN: f64 = 0.16;
+/// The ends of the range are multiples of this part of a step, so that they do not move with every sample.
+const GRAIN: f64 = 0.5;
+
+/// The areas of one plot.
+pub struct Areas {
+    pub legend: Rect,
+    pub labels: Rect,
+    pub plot: Rect,
+}
+
+pub fn show(
+    ui: &mut Ui,
+    areas: &Areas,
+    module: &Module,
+    group: &[&Series<'_>],
+    settings: &mut Settings,
+    view: &TimeView,
+    cursor: Option<f64>,
+) {
+    let palette = theme::palette(ui);
+    entries(ui, areas.legend, module, group, settings, view, cursor);
+    let visible: Vec<&Series<'_>> =
+        group.iter().copied().filter(|series| !settings.hidden.contains(series.stem)).collect();
+    let (values, ticks, step) = scale(&visible, view, areas.plot.height());
+    labels(ui.painter(), areas, &values, &ticks, step, palette);
+    let unit = group.first().map_or("", |series| series.unit);
+    lines(ui, areas.plot, unit, &visible, view, (&values, &ticks, step));
+    if let Some(seconds) = cursor {
+        marks(ui.painter(), areas.plot, module, &visible, view, &values, seconds, palette);
+    }
+    if visible.iter().all(|series| series.trend.is_none_or(|trend| trend.is_empty())) {
+        let text = if visible.is_empty() { "Hidden" } else { "No readings yet" };
+        ui.painter().text(areas.plot.center(), Align2::CENTER_CENTER, text, theme::body(), palette.old);
+    }
+}
+
+fn entries(
+    ui: &mut Ui,
+    rect: Rect,
+    module: &Module,
+    group: &[&Series<'_>],
+    settings: &mut Settings,
+    view: &TimeView,
+    cursor: Option<f64>,
+) {
+    for (index, series) in group.iter().enumerate() {
+        let top = rect.top() + index as f32 * theme::LEGEND_ROW;
+        let row = Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width(), theme::LEGEND_ROW));
+        let value = cursor.map(|seconds| match legend::sample_at(module, series, view, seconds) {
+            Some(sample) => format!("{} {}", series.sample_word(sample[1]), series.unit),
+            None => words::UNKNOWN.to_owned(),
+        });
+        legend::entry(ui, row, series, settings, value.as_deref());
+    }
+}
+
+/// The range of values with some room, its ticks and their step.
+fn scale(visible: &[&Series<'_>], view: &TimeView, height: f32) -> (RangeInclusive<f64>, Vec<f64>, f64) {
+    let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
+    let (low, high) = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0));
+    let least = visible.iter().map(|series| resolution(series) * LEAST_RANGE).fold(0.0, f64::max).max(f64::EPSILON);
+    let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0 * (1.0 + MARGIN)).max(least / 2.0));
+    let most = f64::from(height / theme::TICK_DISTANCE[1]).max(2.0);
+    let (_, step) = widgets::round_steps(&(middle - half..=middle + half), most);
+    let grain = step * GRAIN;
+    let values = ((middle - half) / grain).floor() * grain..=((middle + half) / grain).ceil() * grain;
+    let ticks = widgets::multiples(&values, step);
+    (values, ticks, step)
+}
+
+/// One unit of the last decimal.
+fn resolution(series: &Series<'_>) -> f64 {
+    match &series.item.kind {
+        Kind::Number { min, .. } => 10f64.powi(-i32::from(min.decimals)),
+        _ => 1.0,
+    }
+}
+
+/// Where a value lies on the screen.
+fn y_of(value: f64, values: &RangeInclusive<f64>, rect: Rect) -> f32 {
+    let part = (value - values.start()) / (values.end() - values.start());
+    rect.bottom() - (part * f64::from(rect.height())) as f32
+}
+
+/// Numbers at the grid's lines; those at the very edge are left out, they would touch the neighbouring plot.
+fn labels(painter: &Painter, areas: &Areas, values: &RangeInclusive<f64>, ticks: &[f64], step: f64, palette: &Palette) {
+    let places = (-step.log10().floor()).clamp(0.0, 4.0) as usize;
+    for tick in ticks {
+        let y = y_of(*tick, values, areas.plot);
+        if areas.plot.y_range().shrink(theme::UNIT).contains(y) {
+            let place = pos2(areas.labels.right() - theme::UNIT, y);
+            // Adding zero makes -0 positive.
+            let text = format!("{:.places$}", tick + 0.0);
+            painter.text(place, Align2::RIGHT_CENTER, text, theme::small(), palette.quiet);
+        }
+    }
+}
+
+fn lines(
+    ui: &mut Ui,
+    rect: Rect,
+    unit: &str,
+    visible: &[&Series<'_>],
+    view: &TimeView,
+    (values, ticks, step): (&RangeInclusive<f64>, &[f64], f64),
+) {
+    let palette = theme::palette(ui);
+    let (time_ticks, time_step) = view.ticks();
+    let marks = |ticks: &[f64], step: f64| -> Vec<GridMark> {
+        ticks.iter().map(|value| GridMark { value: *value, step_size: step }).collect()
+    };
+    let (across, upwards) = (marks(&time_ticks, time_step), marks(ticks, step));
+    let plot = Plot::new(("numbers", unit))
+        .width(rect.width())
+        .height(rect.height())
+        .show_axes(false)
+        .show_x(false)
+        .show_y(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .sense(Sense::hover())
+        .grid_color(palette.grid)
+        .grid_fade(0.0)
+        .grid_spacing(Rangef::new(0.0, 1.0))
+        .x_grid_spacer(move |_| across.clone())
+        .y_grid_spacer(move |_| upwards.clone());
+    let strokes: Vec<Line<'_>> = visible.iter().flat_map(|series| traces(series, view, palette)).collect();
+    let (times, values) = (view.from..=view.to, values.clone());
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        plot.show(ui, move |plot| {
+            plot.set_plot_bounds_x(times);
+            plot.set_plot_bounds_y(values);
+            strokes.into_iter().for_each(|stroke| plot.line(stroke));
+        });
+    });
+}
+
+/// The lines of a series, split where samples are missing.
+fn traces<'a>(series: &Series<'_>, view: &TimeView, palette: &Palette) -> Vec<Line<'a>> {
+    let stretches = series.trend.map(|trend| trend.lines(view.from, view.to, view.buckets())).unwrap_or_default();
+    let line = |stretch: Vec<[f64; 2]>| {
+        Line::new(series.label, PlotPoints::from(stretch))
+            .stroke(Stroke::new(theme::TRACE, series.colour(palette)))
+            .allow_hover(false)
+    };
+    stretches.into_iter().map(line).collect()
+}
+
+/// The samples at the pointer's time.
+#[allow(clippy::too_many_arguments)]
+fn marks(
+    painter: &Painter,
+    rect: Rect,
+    module: &Module,
+    visible: &[&Series<'_>],
+    view: &TimeView,
+    values: &RangeInclusive<f64>,
+    seconds: f64,
+    palette: &Palette,
+) {
+    for series in visible {
+        if let Some([at, value]) = legend::sample_at(module, series, view, seconds) {
+            let place = pos2(view.x(at), y_of(value, values, rect));
+            painter.circle(
+                place,
+                theme::SAMPLE_MARK,
+                series.colour(palette),
+                Stroke::new(theme::HAIRLINE, palette.ground),
+            );
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! The real window on a simulated line, driven by role and label.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use dcon_bench::bench::{Action, Bench, LineState, Presence, ScanState};
+use dcon_bench::bus::{Bus, LineAddress};
+use dcon_bench::module::Catalogue;
+use dcon_bench::sim::{ModuleSpec, Pace, Sim};
+use dcon_bench::ui::{App, LineChoice, Settings, Start};
+use eframe::egui::accesskit::Role;
+use eframe::egui::{self, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+/// Far more than anything here takes; reaching it is a failure.
+const LIMIT: Duration = Duration::from_secs(60);
+/// Short enough that waiting costs nothing, long enough to leave the processor to the bus thread.
+const BREATH: Duration = Duration::from_millis(2);
+
+type Window = Harness<'static, App>;
+
+fn sim(specs: &[&str], pace: Pace) -> Sim {
+    let specs: Vec<ModuleSpec> = specs.iter().map(|spec| spec.parse().unwrap()).collect();
+    Sim::new(&specs, pace)
+}
+
+fn bench(ctx: &egui::Context) -> Bench {
+    let (catalogue, faulty) = Catalogue::built_in();
+    let catalogue = Arc::new(catalogue);
+    let ctx = ctx.clone();
+    let bus = Bus::start(catalogue.clone(), move || ctx.request_repaint_after(Duration::from_millis(33))).unwrap();
+    Bench::new(bus, catalogue, &faulty)
+}
+
+fn window_with(sim: &Sim, demo: bool, settings: Settings) -> Window {
+    let simulated = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
+    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
+        let ctx = creation.egui_ctx.clone();
+        App::new(&ctx, bench(&ctx), Start { simulated, demo, settings })
+    })
+}
+
+/// A window that stands at the simulated line.
+fn window(sim: &Sim) -> Window {
+    window_with(sim, false, Settings { line: LineChoice::Simulated, ..Settings::default() })
+}
+
+/// Draws frame after frame until `reached`.
+#[track_caller]
+fn until(window: &mut Window, what: &str, reached: impl Fn(&Window) -> bool) {
+    let start = Instant::now();
+    loop {
+        window.step();
+        if reached(window) {
+            return;
+        }
+        assert!(start.elapsed() < LIMIT, "not reached: {what}");
+        std::thread::sleep(BREATH);
+    }
+}
+
+#[track_caller]
+fn click(window: &mut Window, role: Role, label: &str) {
+    until(window, label, |window| window.query_by_role_and_label(role, label).is_some());
+    window.get_by_role_and_label(role, label).click();
+    window.step();
+    window.step();
+}
+
+fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+/// What the reading of this name shows, such as `24.99 °C`.
+fn reading(window: &Window, name: &str) -> Option<String> {
+    let start = format!("{name} ");
+    let nodes = window.query_all_by_label_contains(&start);
+    nodes.filter_map(|node| node.value()).find_map(|text| text.strip_prefix(&start).map(str::to_owned))
+}
+
+fn scan_ended(window: &Window) -> bool {
+    matches!(window.state().bench().scan(), Some(ScanState::Ended(_)))
+}
+
+/// Scans with the button and opens the module at `address`.
+#[track_caller]
+fn open(window: &mut Window, module: &str) {
+    click(window, Role::Button, "Scan");
+    until(window, "the scan ends", scan_ended);
+    click(window, Role::ListItem, module);
+}
+
+#[test]
+fn scan_then_click_then_see_the_readings_change_and_the_plot_fill() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600", "pir-130@0xA0:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window(&sim);
+    open(&mut window, "PIR-234, address 1");
+    assert!(window.query_by_role_and_label(Role::ListItem, "PIR-130, address 160").is_some());
+    sim.set_temperature(1, 21.5);
+    until(&mut window, "the first value", |window| reading(window, "Temperature").as_deref() == Some("21.50 °C"));
+    sim.set_temperature(1, -3.25);
+    until(&mut window, "the next value", |window| reading(window, "Temperature").as_deref() == Some("-3.25 °C"));
+    let shown = window.state().bench().shown().unwrap();
+    assert!(shown.trends["temperature_c"].len() >= 2);
+    assert!(window.query_by_label("Plot").is_some());
+}
+
+#[test]
+fn a_silent_module_keeps_its_values_and_says_so() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window(&sim);
+    sim.set_temperature(1, 21.5);
+    open(&mut window, "PIR-234, address 1");
+    until(&mut window, "a value", |window| reading(window, "Temperature").is_some_and(|text| text.starts_with("21.50")));
+    sim.set_dead(1, true);
+    let silent = |window: &Window| {
+        let module = window.state().bench().shown();
+        module.is_some_and(|module| matches!(module.presence, Presence::Silent { .. }))
+    };
+    until(&mut window, "it is silent", silent);
+    until(&mut window, "the value is old", |window| {
+        reading(window, "Temperature").is_some_and(|text| text.starts_with("21.50 °C, ") && text.ends_with(" old"))
+    });
+    assert!(shows(&window, "no answer"));
+    sim.set_dead(1, false);
+    until(&mut window, "it is fresh again", |window| reading(window, "Temperature").as_deref() == Some("21.50 °C"));
+}
+
+#[test]
+fn a_value_that_was_never_read_is_a_dash() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window(&sim);
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "the scan ends", scan_ended);
+    sim.set_dead(1, true);
+    click(&mut window, Role::ListItem, "PIR-234, address 1");
+    until(&mut window, "a dash", |window| reading(window, "Temperature").as_deref() == Some("– °C, not known"));
+}
+
+#[test]
+fn a_port_that_cannot_be_opened_is_explained_until_acknowledged() {
+    let line = LineChoice::Port("/dev/no-such-port".to_owned());
+    let mut window = window_with(&sim(&[], Pace::Skip), false, Settings { line, ..Settings::default() });
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "the sentence", |window| shows(window, "There is no port /dev/no-such-port"));
+    assert!(matches!(window.state().bench().line(), LineState::Closed));
+    assert!(shows(&window, "No line open"));
+    click(&mut window, Role::Button, "Dismiss");
+    assert!(window.query_by_label("Dismiss").is_none());
+    assert!(shows(&window, "Notices"));
+}
+
+#[test]
+fn without_a_port_the_window_offers_the_simulated_line() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window_with(&sim, false, Settings::default());
+    if !window.state().bench().ports().is_empty() {
+        return;
+    }
+    assert!(shows(&window, "There is no serial port"));
+    click(&mut window, Role::Button, "Try the simulated line");
+    until(&mut window, "the scan ends", scan_ended);
+    assert_eq!(window.state().bench().modules().len(), 1);
+}
+
+#[test]
+fn an_empty_line_says_what_to_check() {
+    let mut window = window(&sim(&[], Pace::Skip));
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "the scan ends", scan_ended);
+    window.step();
+    for hint in ["No module answered", "D+ and D− swapped", "DIP 2 OFF"] {
+        assert!(shows(&window, hint), "{hint}");
+    }
+    assert!(window.query_by_role_and_label(Role::Button, "Full scan").is_some());
+}
+
+#[test]
+fn an_unknown_module_shows_what_it_said() {
+    let sim = sim(&["unknown@160:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window(&sim);
+    open(&mut window, "unknown, address 160");
+    assert!(shows(&window, "Unknown module"));
+    let said = window.state().bench().shown().unwrap().identified.said.clone();
+    assert!(!said.is_empty());
+    let fields = window.query_all_by_role(Role::TextInput);
+    assert!(fields.filter_map(|node| node.value()).any(|text| text == said));
+    assert!(window.query_by_role_and_label(Role::Button, "Add definition file…").is_some());
+}
+
+#[test]
+fn a_scan_can_be_paused_resumed_and_stopped_and_keeps_what_it_found() {
+    let mut window = window(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Real));
+    click(&mut window, Role::Button, "Scan options");
+    click(&mut window, Role::MenuItem, "Full scan");
+    until(&mut window, "the module is in the list", |window| {
+        window.query_by_role_and_label(Role::ListItem, "PIR-234, address 1").is_some()
+    });
+    let paused = |window: &Window| match window.state().bench().scan() {
+        Some(ScanState::Running { progress: Some(progress), .. }) => progress.paused,
+        _ => false,
+    };
+    click(&mut window, Role::Button, "Pause");
+    until(&mut window, "it pauses", paused);
+    assert!(shows(&window, "paused"));
+    click(&mut window, Role::Button, "Resume");
+    until(&mut window, "it goes on", |window| !paused(window));
+    click(&mut window, Role::Button, "Stop");
+    until(&mut window, "it ends", scan_ended);
+    window.step();
+    assert!(shows(&window, "Stopped after"));
+    assert_eq!(window.state().bench().modules().len(), 1);
+}
+
+#[test]
+fn a_scan_of_ones_own_choice_asks_only_the_addresses_of_the_form() {
+    let mut window = window(&sim(&["pir-234@7:modbus_rtu:9600"], Pace::Skip));
+    click(&mut window, Role::Button, "Scan options");
+    click(&mut window, Role::MenuItem, "Custom…");
+    let field = window.get_by_role_and_label(Role::TextInput, "Addresses");
+    field.focus();
+    window.step();
+    window.key_combination(&[egui::Key::Home]);
+    window.step();
+    window.get_by_role_and_label(Role::TextInput, "Addresses").type_text("7,");
+    window.step();
+    window.step();
+    assert!(shows(&window, "68 places to ask"));
+    click(&mut window, Role::Button, "Start scan");
+    until(&mut window, "the module", |window| {
+        window.query_by_role_and_label(Role::ListItem, "PIR-234, address 7").is_some()
+    });
+}
+
+#[test]
+fn temperatures_change_their_unit_together() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window(&sim);
+    sim.set_temperature(1, 20.0);
+    open(&mut window, "PIR-234, address 1");
+    until(&mut window, "Celsius", |window| reading(window, "Temperature").as_deref() == Some("20.00 °C"));
+    click(&mut window, Role::CheckBox, "°F");
+    until(&mut window, "Fahrenheit", |window| reading(window, "Temperature").as_deref() == Some("68.00 °F"));
+    assert!(reading(&window, "Dew point").unwrap().contains("°F"));
+}
+
+#[test]
+fn polling_can_be_paused_and_resumed() {
+    let mut window = window(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip));
+    open(&mut window, "PIR-234, address 1");
+    until(&mut window, "a value", |window| reading(window, "Temperature").is_some_and(|text| !text.contains("not known")));
+    click(&mut window, Role::Button, "Pause polling");
+    assert_eq!(window.state().bench().shown().unwrap().interval, None);
+    click(&mut window, Role::Button, "Resume polling");
+    assert!(window.state().bench().shown().unwrap().interval.is_some());
+}
+
+#[test]
+fn dragging_the_plot_releases_it_and_follow_takes_it_up_again() {
+    let mut window = window(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip));
+    open(&mut window, "PIR-234, address 1");
+    until(&mut window, "a value", |window| reading(window, "Temperature").is_some());
+    let place = window.get_by_label("Plot").rect().center();
+    window.hover_at(place);
+    window.step();
+    window.drag_at(place);
+    window.step();
+    window.hover_at(place + vec2(120.0, 0.0));
+    window.step();
+    window.drop_at(place + vec2(120.0, 0.0));
+    window.step();
+    click(&mut window, Role::Button, "Follow");
+    assert!(window.query_by_role_and_label(Role::Button, "Pause plot").is_some());
+}
+
+#[test]
+fn a_series_that_is_switched_off_stays_off() {
+    let mut window = window(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip));
+    open(&mut window, "PIR-234, address 1");
+    click(&mut window, Role::CheckBox, "Show Dew point");
+    assert!(window.state().settings().hidden.contains("dew_point"));
+    click(&mut window, Role::CheckBox, "Show Dew point");
+    assert!(window.state().settings().hidden.is_empty());
+}
+
+#[test]
+fn the_demonstration_scans_the_simulated_line_at_once() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600", "pir-130@0xA0:dcon:9600"], Pace::Skip);
+    let mut window = window_with(&sim, true, Settings::default());
+    until(&mut window, "both modules", |window| window.state().bench().modules().len() == 2);
+    assert!(shows(&window, "Simulated line open"));
+}
+
+#[test]
+fn a_lost_line_is_said_and_taken_up_again() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = window(&sim);
+    open(&mut window, "PIR-234, address 1");
+    until(&mut window, "a value", |window| reading(window, "Temperature").is_some_and(|text| !text.contains("not known")));
+    sim.unplug();
+    until(&mut window, "the loss", |window| shows(window, "Simulated line lost"));
+    sim.plug();
+    until(&mut window, "the return", |window| shows(window, "Simulated line open"));
+}
+
+#[test]
+fn a_window_at_rest_is_not_drawn_again_and_again() {
+    let mut window = window(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip));
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "the scan ends", scan_ended);
+    // Panics if every frame asks for another.
+    window.run();
+    window.state_mut().apply(Action::ClearNotices);
+    window.run();
+}
+
+/// The characters that the window itself writes, and those that come from definitions.
+#[test]
+fn every_character_of_the_interface_has_its_glyph() {
+    let mut characters: std::collections::BTreeSet<char> = sources().iter().flat_map(|text| text.chars()).collect();
+    let (catalogue, _) = Catalogue::built_in();
+    for definition in catalogue.iter() {
+        for item in &definition.items {
+            characters.extend(item.label.chars().chain(item.unit.chars()).chain(item.help.chars()));
+        }
+    }
+    characters.retain(|character| !character.is_ascii());
+    let ctx = egui::Context::default();
+    let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
+    let font = egui::FontId::proportional(13.0);
+    let missing: Vec<char> =
+        characters.into_iter().filter(|c| !ctx.fonts_mut(|fonts| fonts.has_glyph(&font, *c))).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// The code of the window and of what it shows, without comments.
+fn sources() -> Vec<String> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let rooms = ["ui", "ui/module_view", "bench", "bus", "module", "protocol"];
+    let files = rooms.iter().flat_map(|room| std::fs::read_dir(root.join(room)).unwrap());
+    let texts = files.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "rs"));
+    let without_comments = |text: String| -> String {
+        text.lines().filter(|line| !line.trim_start().starts_with("//")).collect()
+    };
+    texts.map(|path| without_comments(std::fs::read_to_string(path).unwrap())).collect()
+}
