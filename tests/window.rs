@@ -11,7 +11,7 @@ use dcon_bench::ui::{App, LineChoice, Settings, Start};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{self, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 
 /// Far more than anything here takes; reaching it is a failure.
 const LIMIT: Duration = Duration::from_secs(60);
@@ -112,7 +112,9 @@ fn a_silent_module_keeps_its_values_and_says_so() {
     let mut window = window(&sim);
     sim.set_temperature(1, 21.5);
     open(&mut window, "PIR-234, address 1");
-    until(&mut window, "a value", |window| reading(window, "Temperature").is_some_and(|text| text.starts_with("21.50")));
+    until(&mut window, "a value", |window| {
+        reading(window, "Temperature").is_some_and(|text| text.starts_with("21.50"))
+    });
     sim.set_dead(1, true);
     let silent = |window: &Window| {
         let module = window.state().bench().shown();
@@ -249,7 +251,9 @@ fn temperatures_change_their_unit_together() {
 fn polling_can_be_paused_and_resumed() {
     let mut window = window(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip));
     open(&mut window, "PIR-234, address 1");
-    until(&mut window, "a value", |window| reading(window, "Temperature").is_some_and(|text| !text.contains("not known")));
+    until(&mut window, "a value", |window| {
+        reading(window, "Temperature").is_some_and(|text| !text.contains("not known"))
+    });
     click(&mut window, Role::Button, "Pause polling");
     assert_eq!(window.state().bench().shown().unwrap().interval, None);
     click(&mut window, Role::Button, "Resume polling");
@@ -297,7 +301,9 @@ fn a_lost_line_is_said_and_taken_up_again() {
     let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
     let mut window = window(&sim);
     open(&mut window, "PIR-234, address 1");
-    until(&mut window, "a value", |window| reading(window, "Temperature").is_some_and(|text| !text.contains("not known")));
+    until(&mut window, "a value", |window| {
+        reading(window, "Temperature").is_some_and(|text| !text.contains("not known"))
+    });
     sim.unplug();
     until(&mut window, "the loss", |window| shows(window, "Simulated line lost"));
     sim.plug();
@@ -327,7 +333,7 @@ fn every_character_of_the_interface_has_its_glyph() {
     }
     characters.retain(|character| !character.is_ascii());
     let ctx = egui::Context::default();
-    let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
+    ctx.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
     let font = egui::FontId::proportional(13.0);
     let missing: Vec<char> =
         characters.into_iter().filter(|c| !ctx.fonts_mut(|fonts| fonts.has_glyph(&font, *c))).collect();
@@ -340,8 +346,7 @@ fn sources() -> Vec<String> {
     let rooms = ["ui", "ui/module_view", "bench", "bus", "module", "protocol"];
     let files = rooms.iter().flat_map(|room| std::fs::read_dir(root.join(room)).unwrap());
     let texts = files.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "rs"));
-    let without_comments = |text: String| -> String {
-        text.lines().filter(|line| !line.trim_start().starts_with("//")).collect()
-    };
+    let without_comments =
+        |text: String| -> String { text.lines().filter(|line| !line.trim_start().starts_with("//")).collect() };
     texts.map(|path| without_comments(std::fs::read_to_string(path).unwrap())).collect()
 }

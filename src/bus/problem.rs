@@ -81,3 +81,37 @@ impl LineProblem {
 fn exists(line: &str) -> bool {
     cfg!(windows) || std::path::Path::new(line).exists()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serialport::{Error, ErrorKind};
+
+    fn told(kind: ErrorKind, description: &str, present: &[&str]) -> String {
+        let present = present.iter().map(|name| (*name).to_owned()).collect();
+        LineProblem::of_serial("/dev/no-such-port", &Error::new(kind, description), present).to_string()
+    }
+
+    #[test]
+    fn a_missing_port_is_told_with_those_that_are_there() {
+        let text = told(ErrorKind::NoDevice, "No such file or directory", &["/dev/ttyUSB0", "/dev/ttyS0"]);
+        assert_eq!(text, "There is no port /dev/no-such-port – present are /dev/ttyUSB0, /dev/ttyS0");
+        let text = told(ErrorKind::Io(std::io::ErrorKind::NotFound), "No such file or directory", &[]);
+        assert!(text.contains("--demo"), "{text}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_denied_port_names_the_group_and_the_command() {
+        let text = told(ErrorKind::Io(std::io::ErrorKind::PermissionDenied), "Permission denied", &[]);
+        assert!(text.contains("sudo usermod -a -G dialout $USER"), "{text}");
+    }
+
+    #[test]
+    fn a_busy_port_is_told_as_such() {
+        for description in ["Device or resource busy", "Unable to acquire exclusive lock on serial port"] {
+            let text = told(ErrorKind::NoDevice, description, &[]);
+            assert!(text.contains("in use by another program"), "{text}");
+        }
+    }
+}

@@ -106,14 +106,17 @@ impl ScanPlan {
         all
     }
 
-    /// What a silent `target` costs: its question on the wire and one listening window.
+    /// What a silent `target` costs: its question on the wire and one listening window; over TCP a network's delay.
     pub fn cost(&self, target: &Target) -> Duration {
         let characters = match target.protocol {
             Protocol::Dcon if target.checksum => DCON_CHARACTERS + 2,
             Protocol::Dcon => DCON_CHARACTERS,
             Protocol::ModbusRtu | Protocol::ModbusTcp => RTU_CHARACTERS,
         };
-        self.window + target.settings.wire_time(characters)
+        match target.protocol {
+            Protocol::ModbusTcp => self.window + super::tcp::NETWORK_ALLOWANCE,
+            _ => self.window + target.settings.wire_time(characters),
+        }
     }
 }
 

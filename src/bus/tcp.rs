@@ -25,7 +25,7 @@ use crate::protocol::{Failure, Query, Reply};
 const FRESH: Duration = Duration::from_secs(60);
 const CONNECT_LIMIT: Duration = Duration::from_secs(3);
 /// On a network an answer takes longer than on a wire; this is added to every window.
-const NETWORK_ALLOWANCE: Duration = Duration::from_millis(800);
+pub const NETWORK_ALLOWANCE: Duration = Duration::from_millis(800);
 
 pub struct TcpLink {
     host: String,

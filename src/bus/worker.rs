@@ -9,13 +9,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
-use super::dialogue::Dialogue;
+use super::dialogue::{Dialogue, Speaker};
 use super::message::{BusCommand, BusEvent, ItemSet, RequestId, Statistics};
 use super::scan::{Scan, ScanStep};
 use super::tap::Tap;
 use super::target::{LineAddress, Patience, Target};
 use super::watch::{Watch, Watches};
-use crate::module::{Catalogue, Definition, ReadPlan, identify, present_options, run_action, write_item};
+use crate::module::{
+    Catalogue, Definition, ReadPlan, WriteError, identify, present_options, run_action, write_item,
+};
 use crate::protocol::{Failure, LineSettings};
 
 /// How often a lost port is tried again.
@@ -29,6 +31,10 @@ struct OpenLine {
     /// `None` while the port is gone.
     dialogue: Option<Dialogue>,
     reopen_at: Instant,
+}
+
+fn not_offered(id: &str, target: Target) -> WriteError {
+    WriteError::NotOffered { id: id.to_owned(), protocol: target.protocol }
 }
 
 pub struct Worker {
@@ -156,19 +162,17 @@ impl Worker {
                 self.watches.add(Watch::new(id, target, plan, interval));
             }
             BusCommand::Write { id, target, definition, item, value } => {
-                let Some(known) = definition.item(&item) else { return };
-                let result = self.dialogue_or_write_error(&item).and_then(|dialogue| {
-                    let mut speaker = dialogue.with(target, Patience::CONVERSATION);
-                    write_item(&definition, target.protocol, target.address, known, &value, &mut speaker)
+                let result = self.change(target, &item, |speaker| {
+                    let known = definition.item(&item).ok_or_else(|| not_offered(&item, target))?;
+                    write_item(&definition, target.protocol, target.address, known, &value, speaker)
                 });
                 let at = self.timestamp();
                 self.tell(BusEvent::Written { id, target, item, at, result });
             }
             BusCommand::Act { id, target, definition, action } => {
-                let Some(known) = definition.action(&action) else { return };
-                let result = self.dialogue_or_write_error(&action).and_then(|dialogue| {
-                    let mut speaker = dialogue.with(target, Patience::CONVERSATION);
-                    run_action(known, target.protocol, target.address, &mut speaker)
+                let result = self.change(target, &action, |speaker| {
+                    let known = definition.action(&action).ok_or_else(|| not_offered(&action, target))?;
+                    run_action(known, target.protocol, target.address, speaker)
                 });
                 let at = self.timestamp();
                 self.tell(BusEvent::Acted { id, target, action, at, result });
@@ -226,8 +230,20 @@ impl Worker {
         line.dialogue.as_mut().ok_or_else(|| Failure::LineLost(format!("{name} is not there")))
     }
 
-    fn dialogue_or_write_error(&mut self, id: &str) -> Result<&mut Dialogue, crate::module::WriteError> {
-        self.dialogue().map_err(|failure| crate::module::WriteError::ReadFirst { id: id.to_owned(), failure })
+    /// Lets `change` write to a module, if there is a line.
+    fn change<T>(
+        &mut self,
+        target: Target,
+        id: &str,
+        change: impl FnOnce(&mut Speaker<'_>) -> Result<T, WriteError>,
+    ) -> Result<T, WriteError> {
+        let result = match self.dialogue() {
+            Ok(dialogue) => change(&mut dialogue.with(target, Patience::CONVERSATION)),
+            Err(failure) => Err(WriteError::ReadFirst { id: id.to_owned(), failure }),
+        };
+        let lost = result.as_ref().err().and_then(WriteError::failure).cloned();
+        self.note_loss(lost);
+        result
     }
 
     fn timestamp(&mut self) -> jiff::Timestamp {

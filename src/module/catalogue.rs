@@ -153,3 +153,21 @@ pub fn add_file(folder: &Path, path: &Path) -> Result<String, FileError> {
     std::fs::write(folder.join(file_name).with_extension("toml"), text).map_err(|error| unusable(error.to_string()))?;
     Ok(id)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_change_to_a_definition_file_makes_the_reader_panic(at in 0usize..40_000, length in 0usize..40, put: String) {
+            let (name, text) = BUILT_IN[2];
+            let start = text.floor_char_boundary(at);
+            let end = text.floor_char_boundary(start.saturating_add(length));
+            let changed = format!("{}{put}{}", &text[..start], &text[end..]);
+            let (catalogue, errors) = Catalogue::from_texts(vec![(name.to_owned(), changed)]);
+            prop_assert!(catalogue.iter().count() + errors.len() == 1);
+        }
+    }
+}

@@ -29,6 +29,19 @@ pub enum WriteError {
     NotVerified { id: String, failure: Failure },
 }
 
+impl WriteError {
+    /// What the line or the module did, where that is the reason.
+    pub fn failure(&self) -> Option<&Failure> {
+        match self {
+            Self::ReadFirst { failure, .. }
+            | Self::Refused { failure, .. }
+            | Self::Unknown { failure, .. }
+            | Self::NotVerified { failure, .. } => Some(failure),
+            Self::Value(_) | Self::NotOffered { .. } | Self::Differs { .. } => None,
+        }
+    }
+}
+
 /// Writes `value` and reads it back; the result is what the module then says.
 ///
 /// A multi-field command is read first and sent back with one field changed.
@@ -59,13 +72,13 @@ pub fn write_item(
                     id,
                     wanted,
                     found,
-                    hint: hint(item, "the DIP switches may rule (DIP 2 OFF)"),
+                    hint: differs_hint(item),
                 })
             }
             Err(failure) => Err(WriteError::NotVerified { id: item.id.clone(), failure }),
         },
         Err(failure) if failure.is_refusal() => {
-            Err(WriteError::Refused { id: item.id.clone(), failure, hint: hint(item, "") })
+            Err(WriteError::Refused { id: item.id.clone(), failure, hint: refused_hint(item) })
         }
         Err(failure) => match read_back() {
             Ok(found) if found == *value => Ok(found),
@@ -111,10 +124,16 @@ fn is_unknown_way(failure: &Failure) -> bool {
     matches!(failure, Failure::Exception { code: 1 | 2 })
 }
 
-fn hint(item: &Item, otherwise: &'static str) -> &'static str {
+fn refused_hint(item: &Item) -> &'static str {
     match item.applies {
         Applies::Init => " – it can be changed only in INIT mode (DIP 4 ON, then a power cycle)",
-        Applies::Now if otherwise.is_empty() => "",
+        Applies::Now => "",
+    }
+}
+
+fn differs_hint(item: &Item) -> &'static str {
+    match item.applies {
+        Applies::Init => refused_hint(item),
         Applies::Now => " – the DIP switches may rule (DIP 2 OFF)",
     }
 }

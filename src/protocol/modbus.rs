@@ -119,7 +119,7 @@ pub fn exception_text(code: u8) -> &'static str {
     match code {
         0x01 => "illegal function: the module does not know this function",
         0x02 => "illegal data address: the module has no such register or coil",
-        0x03 => "illegal data value: the value is out of range, or the setting needs INIT mode (DIP 4 ON)",
+        0x03 => "illegal data value: the value is out of range, or not allowed in the present state",
         0x04 => "device failure: the module could not carry the command out",
         0x05 => "acknowledge: the module needs longer to answer",
         0x06 => "busy: try again",

@@ -99,19 +99,30 @@ fn parse_address(text: &str) -> Option<u8> {
 
 pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
     let over_tcp = pass.settings.line == LineChoice::Tcp;
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
         addresses(ui, form);
         if !over_tcp {
-            choices(ui, form);
+            ui.add_space(theme::GAP);
             window(ui, &mut form.plan.window);
         }
+        ui.add_space(theme::GAP);
         ui.checkbox(&mut form.plan.stop_at_first, "Stop at the first");
     });
+    if !over_tcp {
+        ui.horizontal(|ui| speeds_and_formats(ui, &mut form.plan));
+        ui.horizontal(|ui| languages(ui, &mut form.plan));
+    }
     ui.horizontal(|ui| conclusion(ui, pass, form, over_tcp));
 }
 
+/// The name of a row; all rows begin at the same place.
+fn row_name(ui: &mut Ui, name: &str) {
+    let colour = theme::palette(ui).quiet;
+    widgets::fixed_coloured(ui, theme::ROW_NAME, Align::Min, name, colour);
+}
+
 fn addresses(ui: &mut Ui, form: &mut ScanForm) {
-    widgets::quiet(ui, "Addresses");
+    row_name(ui, "Addresses");
     let response = ui.add(TextEdit::singleline(&mut form.addresses).desired_width(theme::ADDRESSES_WIDTH));
     let response = response.on_hover_text("Numbers and ranges: 1,160-191 or A0h-BFh");
     response.widget_info(|| egui::WidgetInfo {
@@ -120,27 +131,33 @@ fn addresses(ui: &mut Ui, form: &mut ScanForm) {
     });
 }
 
-fn choices(ui: &mut Ui, form: &mut ScanForm) {
-    let ScanPlan { baud_rates, data_formats, protocols, checksums, .. } = &mut form.plan;
-    group(ui, "Speeds", &BaudRate::ALL, baud_rates, |rate| rate.to_string());
-    group(ui, "Formats", &DataFormat::ALL, data_formats, |format| format.label().to_owned());
-    group(ui, "Protocols", &Protocol::SERIAL, protocols, |protocol| protocol.label().to_owned());
-    if protocols.contains(&Protocol::Dcon) {
+fn speeds_and_formats(ui: &mut Ui, plan: &mut ScanPlan) {
+    row_name(ui, "Speeds");
+    chips(ui, "Speed", &BaudRate::ALL, &mut plan.baud_rates, |rate| rate.to_string());
+    ui.add_space(theme::GAP);
+    widgets::quiet(ui, "Formats");
+    chips(ui, "Format", &DataFormat::ALL, &mut plan.data_formats, |format| format.label().to_owned());
+}
+
+fn languages(ui: &mut Ui, plan: &mut ScanPlan) {
+    row_name(ui, "Protocols");
+    chips(ui, "Protocol", &Protocol::SERIAL, &mut plan.protocols, |protocol| protocol.label().to_owned());
+    if plan.protocols.contains(&Protocol::Dcon) {
+        ui.add_space(theme::GAP);
+        widgets::quiet(ui, "DCON checksum");
         let word = |with: &bool| if *with { "with".to_owned() } else { "without".to_owned() };
-        group(ui, "DCON checksum", &[false, true], checksums, word);
+        chips(ui, "Checksum", &[false, true], &mut plan.checksums, word);
     }
 }
 
 /// Chips for `all`, of which those in `chosen` are on. They keep the order of `all`.
-fn group<T: Copy + PartialEq>(ui: &mut Ui, title: &str, all: &[T], chosen: &mut Vec<T>, word: impl Fn(&T) -> String) {
-    // Title and chips stay together when the row is wrapped.
-    ui.horizontal(|ui| {
-        widgets::quiet(ui, title);
+fn chips<T: Copy + PartialEq>(ui: &mut Ui, kind: &str, all: &[T], chosen: &mut Vec<T>, word: impl Fn(&T) -> String) {
+    ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
         for value in all {
             let on = chosen.contains(value);
             let word = word(value);
-            if widgets::chip(ui, on, &word, &format!("{title} {word}")) {
+            if widgets::chip(ui, on, &word, &format!("{kind} {word}")) {
                 *chosen = all.iter().copied().filter(|other| chosen.contains(other) != (other == value)).collect();
             }
         }
@@ -148,17 +165,16 @@ fn group<T: Copy + PartialEq>(ui: &mut Ui, title: &str, all: &[T], chosen: &mut 
 }
 
 fn window(ui: &mut Ui, window: &mut Duration) {
-    ui.horizontal(|ui| {
-        widgets::quiet(ui, "Listen for");
-        let mut milliseconds = window.as_millis() as u64;
-        let field = DragValue::new(&mut milliseconds).range(WINDOWS).suffix(" ms");
-        let response = ui.add_sized([theme::WINDOW_FIELD_WIDTH, theme::CONTROL_HEIGHT], field);
-        response.on_hover_text("From the end of a question to the first byte of an answer");
-        *window = Duration::from_millis(milliseconds);
-    });
+    widgets::quiet(ui, "Listen for");
+    let mut milliseconds = window.as_millis() as u64;
+    let field = DragValue::new(&mut milliseconds).range(WINDOWS).suffix(" ms");
+    let response = ui.add_sized([theme::WINDOW_FIELD_WIDTH, theme::CONTROL_HEIGHT], field);
+    response.on_hover_text("From the end of a question to the first byte of an answer");
+    *window = Duration::from_millis(milliseconds);
 }
 
 fn conclusion(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm, over_tcp: bool) {
+    row_name(ui, "");
     let plan = form.plan(over_tcp);
     let scanning = pass.bench.is_scanning();
     let start = ui.add_enabled(plan.is_ok() && !scanning, egui::Button::new("Start scan"));

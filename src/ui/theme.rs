@@ -150,6 +150,7 @@ pub const PROGRESS_WIDTH: f32 = 32.0 * UNIT;
 pub const PROGRESS_HEIGHT: f32 = 2.0 * UNIT;
 pub const PERCENT_WIDTH: f32 = 9.0 * UNIT;
 pub const LEFT_WIDTH: f32 = 20.0 * UNIT;
+pub const ROW_NAME: f32 = 18.0 * UNIT;
 pub const ADDRESSES_WIDTH: f32 = 50.0 * UNIT;
 pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
 pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
@@ -351,7 +352,7 @@ mod tests {
     #[test]
     fn digits_are_equally_wide() {
         let ctx = egui::Context::default();
-        let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
+        ctx.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
         ctx.fonts_mut(|fonts| {
             for font in [small(), body(), digits()] {
                 let widths: Vec<f32> = ('0'..='9').map(|digit| fonts.glyph_width(&font, digit)).collect();
