@@ -1,33 +1,19 @@
 //! What simulated modules do as time passes, settings change and the power goes.
 
+mod common;
+
 use std::time::Duration;
 
 use dcon_bench::bus::line::Line;
 use dcon_bench::sim::{Pace, Sim, SimLine};
+
+use common::{ask, exchange};
 
 fn world(specs: &[&str]) -> (Sim, SimLine) {
     let specs: Vec<_> = specs.iter().map(|spec| spec.parse().unwrap()).collect();
     let sim = Sim::new(&specs, Pace::Skip);
     let line = sim.line();
     (sim, line)
-}
-
-fn exchange(line: &mut SimLine, request: &[u8]) -> Vec<u8> {
-    line.send(request).unwrap();
-    let mut answer = Vec::new();
-    loop {
-        let mut buffer = [0; 64];
-        let deadline = line.now() + Duration::from_millis(200);
-        match line.receive(&mut buffer, deadline).unwrap() {
-            0 => return answer,
-            count => answer.extend_from_slice(&buffer[..count]),
-        }
-    }
-}
-
-fn ask(line: &mut SimLine, command: &str) -> String {
-    let answer = exchange(line, format!("{command}\r").as_bytes());
-    String::from_utf8(answer).unwrap().trim_end_matches('\r').to_owned()
 }
 
 fn with_crc(content: &[u8]) -> Vec<u8> {

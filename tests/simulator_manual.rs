@@ -3,35 +3,19 @@
 //! Where a manual prints an answer in two ways, or with an address that was not asked, the comment beside it says which
 //! reading is taken.
 
+mod common;
+
 use std::time::Duration;
 
-use dcon_bench::bus::line::Line;
 use dcon_bench::sim::{Pace, Sim, SimLine};
+
+use common::{ask, exchange};
 
 /// A world with one module.
 fn world(spec: &str) -> (Sim, SimLine) {
     let sim = Sim::new(&[spec.parse().unwrap()], Pace::Skip);
     let line = sim.line();
     (sim, line)
-}
-
-/// The answer to `request`, or nothing.
-fn exchange(line: &mut SimLine, request: &[u8]) -> Vec<u8> {
-    line.send(request).unwrap();
-    let mut answer = Vec::new();
-    loop {
-        let mut buffer = [0; 64];
-        let deadline = line.now() + Duration::from_millis(200);
-        match line.receive(&mut buffer, deadline).unwrap() {
-            0 => return answer,
-            count => answer.extend_from_slice(&buffer[..count]),
-        }
-    }
-}
-
-fn ask(line: &mut SimLine, command: &str) -> String {
-    let answer = exchange(line, format!("{command}\r").as_bytes());
-    String::from_utf8(answer).unwrap().trim_end_matches('\r').to_owned()
 }
 
 /// Commands and answers in a row, to one module; an empty answer is silence.

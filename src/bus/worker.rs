@@ -15,9 +15,7 @@ use super::scan::{Scan, ScanStep};
 use super::tap::Tap;
 use super::target::{LineAddress, Patience, Target};
 use super::watch::{Watch, Watches};
-use crate::module::{
-    Catalogue, Definition, ReadPlan, WriteError, identify, present_options, run_action, write_item,
-};
+use crate::module::{Catalogue, Definition, ReadPlan, WriteError, identify, present_options, run_action, write_item};
 use crate::protocol::{Failure, LineSettings};
 
 /// How often a lost port is tried again.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 
 use super::definition::{
-    Access, Action, Applies, Bits, Choice, Command, CommandAccess, Definition, Encoding, Field, FillFrom, Identity,
-    Item, ItemKind, Kind, ModbusAccess, ModbusPlace, NameBytes, NameWords, Optional,
+    Access, Action, Bits, Choice, Command, CommandAccess, Definition, FillFrom, Identity, Item, ItemKind, Kind,
+    ModbusAccess, ModbusPlace, NameBytes, NameWords, Optional,
 };
 use super::file;
 use super::notation::Template;
@@ -107,14 +107,6 @@ fn check_command(command: &file::Command) -> Result<Command, String> {
         None => Template::dcon(source, names()),
         Some(_) => Template::bytes(source, names()),
     };
-    let fields = command.fields.iter().map(|(name, kind)| {
-        let kind = match kind {
-            file::FieldKind::Hex => Field::Hex,
-            file::FieldKind::Decimal => Field::Decimal,
-            file::FieldKind::Text => Field::Text,
-        };
-        (name.clone(), kind)
-    });
     let checked = Command {
         id: command.id.get_ref().clone(),
         title: command.title.clone(),
@@ -124,7 +116,7 @@ fn check_command(command: &file::Command) -> Result<Command, String> {
         read: command.read.as_ref().map(template).transpose()?,
         answers: command.answer.iter().map(template).collect::<Result<_, _>>()?,
         write: command.write.as_ref().map(template).transpose()?,
-        fields: fields.collect(),
+        fields: command.fields.clone(),
         filled_from: command.filled_from.iter().map(|(name, from)| (name.clone(), fill_from(from))).collect(),
     };
     if checked.read.is_some() && checked.answers.is_empty() {
@@ -172,10 +164,7 @@ fn check_item(item: &file::Item, item_kind: ItemKind, commands: &[Command], file
         unit: item.unit.clone(),
         tab: item.tab.clone(),
         kind: kind(item)?,
-        applies: match item.applies {
-            file::Applies::Now => Applies::Now,
-            file::Applies::Init => Applies::Init,
-        },
+        applies: item.applies,
         read_only: item.read_only || item_kind == ItemKind::Reading,
         live: item.live,
         on_request: item.on_request,
@@ -256,7 +245,7 @@ fn command_access(place: &file::Place, commands: &[Command]) -> Result<CommandAc
         index: place.index,
         bits: place.bits.as_deref().map(bits).transpose()?,
         inverted: place.inverted,
-        encoding: encoding(place.encoding),
+        encoding: place.encoding,
     })
 }
 
@@ -284,20 +273,10 @@ fn modbus_access(place_in_file: &file::Modbus, commands: &[Command]) -> Result<A
         inverted: place_in_file.inverted,
         signed: place_in_file.signed,
         range: place_in_file.range.map(|[low, high]| (low, high)),
-        encoding: encoding(place_in_file.encoding),
+        encoding: place_in_file.encoding,
         over_rtu: place_in_file.only != Some(file::Only::Tcp),
         over_tcp: place_in_file.only != Some(file::Only::Rtu),
     }))
-}
-
-fn encoding(encoding: file::Encoding) -> Encoding {
-    match encoding {
-        file::Encoding::Plain => Encoding::Plain,
-        file::Encoding::Name => Encoding::Name,
-        file::Encoding::Version => Encoding::Version,
-        file::Encoding::Counted => Encoding::Counted,
-        file::Encoding::Mac => Encoding::Mac,
-    }
 }
 
 fn place(modbus: &file::Modbus) -> Result<ModbusPlace, String> {

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
+
 use super::notation::Template;
 use super::value::{Fixed, Value, ValueError};
 use crate::protocol::Protocol;
@@ -104,7 +106,8 @@ pub struct Command {
 }
 
 /// What the characters of a field mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Field {
     /// Hexadecimal digits.
     Hex,
@@ -134,8 +137,10 @@ pub enum ItemKind {
 }
 
 /// When a written value is in force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Applies {
+    #[default]
     Now,
     /// Writable in INIT mode only (DIP 4 ON), in force after a power cycle.
     Init,
@@ -269,7 +274,8 @@ impl Bits {
 }
 
 /// How text is laid into words or bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Encoding {
     /// A number, or the characters themselves.
     #[default]

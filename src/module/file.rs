@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::definition::{Applies, Encoding, Field};
+
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct File {
@@ -80,18 +82,10 @@ pub struct Command {
     pub answer: Vec<String>,
     pub write: Option<String>,
     #[serde(default)]
-    pub fields: BTreeMap<String, FieldKind>,
+    pub fields: BTreeMap<String, Field>,
     /// `{ V = "O" }`: another field; `{ N = "address" }`; `{ T = "=40" }`: a constant.
     #[serde(default)]
     pub filled_from: BTreeMap<String, String>,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum FieldKind {
-    Hex,
-    Decimal,
-    Text,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -144,14 +138,6 @@ pub enum Kind {
     Choice,
     Text,
     Ipv4,
-}
-
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Applies {
-    #[default]
-    Now,
-    Init,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -215,17 +201,6 @@ pub struct Modbus {
 pub enum Only {
     Rtu,
     Tcp,
-}
-
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Encoding {
-    #[default]
-    Plain,
-    Name,
-    Version,
-    Counted,
-    Mac,
 }
 
 #[derive(Debug, Clone, Deserialize)]

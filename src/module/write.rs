@@ -68,12 +68,7 @@ pub fn write_item(
             Ok(found) if found == *value => Ok(found),
             Ok(found) => {
                 let (id, wanted) = (item.id.clone(), value.clone());
-                Err(WriteError::Differs {
-                    id,
-                    wanted,
-                    found,
-                    hint: differs_hint(item),
-                })
+                Err(WriteError::Differs { id, wanted, found, hint: differs_hint(item) })
             }
             Err(failure) => Err(WriteError::NotVerified { id: item.id.clone(), failure }),
         },

@@ -169,7 +169,7 @@ fn zoom_buttons(ui: &mut egui::Ui) {
     if ui.button("Larger").on_hover_text("Ctrl and plus").clicked() {
         wanted = Some(zoom + ZOOM_STEP);
     }
-    if ui.button("100 %").on_hover_text("Ctrl and 0").clicked() {
+    if ui.button("Reset").on_hover_text("Ctrl and 0").clicked() {
         wanted = Some(1.0);
     }
     if let Some(wanted) = wanted {

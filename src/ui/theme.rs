@@ -284,6 +284,8 @@ fn visuals(palette: &Palette, base: Visuals) -> Visuals {
         state.corner_radius = CornerRadius::same(ROUNDING);
         state.expansion = 0.0;
     }
+    // The boxes of check marks and radio buttons have no edge; they have to stand out by themselves.
+    widgets.inactive.bg_fill = palette.raised_pressed;
     visuals
 }
 
