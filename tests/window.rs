@@ -186,7 +186,7 @@ fn an_unknown_module_shows_what_it_said() {
     assert!(shows(&window, "Unknown module"));
     let said = window.state().bench().shown().unwrap().identified.said.clone();
     assert!(!said.is_empty());
-    let fields = window.query_all_by_role(Role::TextInput);
+    let fields = window.query_all_by_role(Role::MultilineTextInput);
     assert!(fields.filter_map(|node| node.value()).any(|text| text == said));
     assert!(window.query_by_role_and_label(Role::Button, "Add definition file…").is_some());
 }

@@ -107,14 +107,16 @@ fn chosen(bench: &Bench, settings: &Settings) -> String {
         LineChoice::FirstPort => bench.ports().first().map_or_else(|| "No serial port".to_owned(), named),
         LineChoice::Port(name) => {
             let present = bench.ports().iter().find(|port| port.name == *name);
-            present.map_or_else(|| format!("{name}   not there"), named)
+            present.map_or_else(|| format!("{name}   not listed"), named)
         }
     }
 }
 
 fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
     let text = chosen(pass.bench, pass.settings);
-    let combo = widgets::combo("line", theme::LINE_BOX_WIDTH, text.trim_end());
+    // The list holds a field, so a click in it does not close it.
+    let combo = widgets::combo("line", theme::LINE_BOX_WIDTH, text.trim_end())
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
     let response = combo.show_ui(ui, |ui| {
         ui.set_min_width(theme::LINE_MENU_WIDTH);
         lines(ui, pass.bench, pass.settings);
@@ -135,16 +137,24 @@ fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
     for port in bench.ports() {
         port_entry(ui, port, settings);
     }
+    other_port(ui, settings);
     widgets::section(ui, "Others");
-    ui.selectable_value(&mut settings.line, LineChoice::Tcp, TCP);
-    ui.selectable_value(&mut settings.line, LineChoice::Simulated, SIMULATED);
+    choice(ui, settings, LineChoice::Tcp, TCP);
+    choice(ui, settings, LineChoice::Simulated, SIMULATED);
+}
+
+/// An entry of the list; a click chooses it and closes the list.
+fn choice(ui: &mut Ui, settings: &mut Settings, line: LineChoice, name: &str) {
+    if ui.selectable_label(settings.line == line, name).clicked() {
+        settings.line = line;
+        ui.close();
+    }
 }
 
 fn port_entry(ui: &mut Ui, port: &PortInfo, settings: &mut Settings) {
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
-        let choice = LineChoice::Port(port.name.clone());
-        ui.selectable_value(&mut settings.line, choice, &port.name);
+        choice(ui, settings, LineChoice::Port(port.name.clone()), &port.name);
         widgets::quiet(ui, &port.description);
         if let Some(problem) = &port.problem {
             widgets::glyph(ui, widgets::Glyph::Triangle, palette.warning);
@@ -153,14 +163,33 @@ fn port_entry(ui: &mut Ui, port: &PortInfo, settings: &mut Settings) {
     });
 }
 
+/// A port that the system does not list, such as a pseudo-terminal, by its name.
+fn other_port(ui: &mut Ui, settings: &mut Settings) {
+    ui.horizontal(|ui| {
+        let choice = LineChoice::Port(settings.other_port.trim().to_owned());
+        let chosen = settings.line == choice;
+        let named = !settings.other_port.trim().is_empty();
+        if ui.add_enabled(named, egui::Button::selectable(chosen, "Other port")).clicked() {
+            settings.line = choice;
+            ui.close();
+        }
+        let field = TextEdit::singleline(&mut settings.other_port).desired_width(theme::HOST_WIDTH);
+        let response = ui.add(field.hint_text(if cfg!(windows) { "COM12" } else { "/dev/pts/3" }));
+        widgets::name_field(&response, "Other port", &settings.other_port);
+        if response.changed() {
+            settings.line = LineChoice::Port(settings.other_port.trim().to_owned());
+        }
+        if response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
+            ui.close();
+        }
+    });
+}
+
 fn host(ui: &mut Ui, settings: &mut Settings) {
     let field =
         TextEdit::singleline(&mut settings.host).desired_width(theme::HOST_WIDTH).hint_text("Host or host:port");
     let response = ui.add(field);
-    response.widget_info(|| egui::WidgetInfo {
-        current_text_value: Some(settings.host.clone()),
-        ..egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Host")
-    });
+    widgets::name_field(&response, "Host", &settings.host);
 }
 
 fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
@@ -238,27 +267,29 @@ fn running(ui: &mut Ui, progress: Option<&ScanProgress>, found: usize, actions: 
     let paused = progress.is_some_and(|progress| progress.paused);
     let (done, total) = progress.map_or((0, 0), |progress| (progress.done, progress.total));
     let part = if total == 0 { 0.0 } else { done as f32 / total as f32 };
-    widgets::progress(ui, part, "Scan progress");
+    let place = progress.map(|progress| format!("at {}, {}", progress.at.address, words::spoken(&progress.at)));
+    let place = place.unwrap_or_default();
+    widgets::progress(ui, part, "Scan progress")
+        .on_hover_text(format!("{done} of {total} asked, {found} found\n{place}"));
     widgets::fixed(ui, theme::PERCENT_WIDTH, Align::Max, &format!("{:.0} %", (part * 100.0).floor()));
     let left = match progress {
         _ if paused => "paused".to_owned(),
         Some(progress) => format!("{} left", words::span(progress.left)),
         None => String::new(),
     };
-    widgets::fixed(ui, theme::LEFT_WIDTH, Align::Min, &left);
+    widgets::fixed(ui, theme::TIME_LEFT, Align::Min, &left);
     let hold = if paused { "Resume" } else { "Pause" };
-    if ui.button(hold).clicked() {
+    let button = egui::Button::new(hold).min_size(egui::vec2(theme::BUTTON_WIDTH, theme::CONTROL_HEIGHT));
+    if ui.add(button).clicked() {
         actions.push(Action::PauseScan(!paused));
     }
     if ui.button("Stop").clicked() {
         actions.push(Action::CancelScan);
     }
-    let place = progress.map(|progress| format!("at {}, {}", progress.at.address, words::spoken(&progress.at)));
-    let width = ui.available_width() - theme::LEFT_WIDTH;
-    let palette = theme::palette(ui);
-    let text = place.unwrap_or_default();
-    widgets::fixed_coloured(ui, width.max(0.0), Align::Min, &text, palette.quiet)
-        .on_hover_text(format!("{done} of {total} asked, {found} found"));
+    let width = ui.available_width() - theme::BUTTON_WIDTH;
+    if width >= theme::PLACE_LEAST {
+        widgets::fixed_coloured(ui, width, Align::Min, &place, theme::palette(ui).quiet);
+    }
 }
 
 fn at_rest(ui: &mut Ui, pass: &mut Pass<'_>) {

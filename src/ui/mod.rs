@@ -7,6 +7,7 @@
 mod app;
 mod connect;
 mod dialogs;
+mod empty;
 mod module_list;
 mod module_view;
 mod notices;

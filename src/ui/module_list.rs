@@ -7,8 +7,9 @@ use super::app::Pass;
 use super::module_view::{Freshness, Series, series_of};
 use super::theme::Palette;
 use super::widgets::{self, Glyph};
-use super::{connect, theme, words};
+use super::{theme, words};
 use crate::bench::{Action, Module, Presence, ScanState};
+use crate::protocol::Failure;
 
 /// How many numbers of a module the list shows.
 const NUMBERS_SHOWN: usize = 2;
@@ -56,6 +57,7 @@ fn hint(ui: &mut Ui, pass: &Pass<'_>) {
 fn state(module: &Module, palette: &Palette) -> (Glyph, eframe::egui::Color32, &'static str) {
     match &module.presence {
         _ if module.definition().is_none() => (Glyph::Dashes, palette.warning, "unknown model"),
+        Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost"),
         Presence::Silent { .. } => (Glyph::Cross, palette.error, "silent"),
         Presence::Answering if module.interval.is_some() => (Glyph::Disc, palette.ok, "answering"),
         Presence::Answering => (Glyph::Ring, palette.ok, "polling paused"),
@@ -133,66 +135,4 @@ fn value_of(series: &Series<'_>) -> Option<String> {
         true => format!("{value} {}", series.unit),
         false => format!("{} {}", series.label, series.word(value)),
     })
-}
-
-/// What the middle of the window says while no module is shown.
-pub fn nothing_shown(ui: &mut Ui, pass: &mut Pass<'_>) {
-    let palette = theme::palette(ui);
-    ui.set_max_width(theme::EMPTY_STATE_WIDTH);
-    ui.add_space(theme::GAP_SECTION);
-    let no_line = pass.connect.line(pass.bench, pass.settings).is_err();
-    match pass.bench.scan() {
-        _ if !pass.bench.modules().is_empty() => {
-            widgets::empty_state(
-                ui,
-                palette,
-                "Choose a module",
-                &["Click one on the left to see and poll its readings."],
-            );
-        }
-        Some(ScanState::Running { .. }) => {
-            let lines = ["Modules appear on the left as soon as they answer."];
-            widgets::empty_state(ui, palette, "Searching the line", &lines);
-        }
-        Some(ScanState::Ended(_)) => nothing_found(ui, pass),
-        None if no_line => no_port(ui, pass),
-        None => not_searched(ui, pass),
-    }
-}
-
-fn nothing_found(ui: &mut Ui, pass: &mut Pass<'_>) {
-    let palette = theme::palette(ui);
-    let lines = [
-        "Is the module powered? PIR-130: 10 to 30 V DC, PIR-234: 10 to 48 V DC.",
-        "Are D+ and D− swapped, or is the line not terminated?",
-        "Does the module speak another protocol or speed? A full scan tries them all.",
-        "DIP 2 OFF: the switches rule, and the address is 160 to 191.",
-    ];
-    widgets::empty_state(ui, palette, "No module answered", &lines);
-    ui.horizontal(|ui| {
-        connect::offers(ui, pass);
-        connect::offer_simulated(ui, pass);
-    });
-}
-
-fn no_port(ui: &mut Ui, pass: &mut Pass<'_>) {
-    let palette = theme::palette(ui);
-    let lines = ["Plug in an adapter and choose it at the top left, or try the simulated line."];
-    widgets::empty_state(ui, palette, "There is no serial port", &lines);
-    ui.horizontal(|ui| {
-        if ui.button("Look again").clicked() {
-            pass.actions.push(Action::RefreshPorts);
-        }
-        connect::offer_simulated(ui, pass);
-    });
-}
-
-fn not_searched(ui: &mut Ui, pass: &mut Pass<'_>) {
-    let palette = theme::palette(ui);
-    let lines = ["Choose the line at the top left, then search it for modules."];
-    widgets::empty_state(ui, palette, "Nothing searched yet", &lines);
-    ui.horizontal(|ui| {
-        connect::offers(ui, pass);
-        connect::offer_simulated(ui, pass);
-    });
 }

@@ -86,6 +86,7 @@ pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
     widgets::describe(&response, egui::Role::Button, "Notices");
     let response = response.on_hover_text(format!("{}: {}\nClick for all notices", word(notice.severity), notice.text));
     egui::Popup::menu(&response)
+        .align(egui::RectAlign::TOP_END)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| list(ui, pass));
 }

@@ -125,10 +125,7 @@ fn addresses(ui: &mut Ui, form: &mut ScanForm) {
     row_name(ui, "Addresses");
     let response = ui.add(TextEdit::singleline(&mut form.addresses).desired_width(theme::ADDRESSES_WIDTH));
     let response = response.on_hover_text("Numbers and ranges: 1,160-191 or A0h-BFh");
-    response.widget_info(|| egui::WidgetInfo {
-        current_text_value: Some(form.addresses.clone()),
-        ..egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Addresses")
-    });
+    widgets::name_field(&response, "Addresses", &form.addresses);
 }
 
 fn speeds_and_formats(ui: &mut Ui, plan: &mut ScanPlan) {

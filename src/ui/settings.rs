@@ -81,6 +81,8 @@ pub struct Settings {
     /// Series that are not drawn, by stem.
     pub hidden: BTreeSet<String>,
     pub line: LineChoice,
+    /// A port that the system does not list.
+    pub other_port: String,
     /// Of Modbus TCP.
     pub host: String,
     pub line_settings: LineSettings,
@@ -96,6 +98,7 @@ impl Default for Settings {
             strips: true,
             hidden: BTreeSet::new(),
             line: LineChoice::default(),
+            other_port: String::new(),
             // The module's own address as it leaves the factory (PIR-234 manual 3.1).
             host: "192.168.255.1".to_owned(),
             line_settings: LineSettings::default(),
@@ -155,7 +158,7 @@ pub fn menu(ui: &mut egui::Ui, settings: &mut Settings) {
             ui.radio_value(&mut settings.temperature, unit, unit.symbol());
         }
         widgets::section(ui, "Size");
-        ui.horizontal(|ui| zoom_buttons(ui));
+        ui.horizontal(zoom_buttons);
     });
 }
 

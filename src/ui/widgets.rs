@@ -110,6 +110,14 @@ pub fn name_combo(response: &Response, name: &str, value: &str) {
     });
 }
 
+/// Gives a text field its name.
+pub fn name_field(response: &Response, name: &str, value: &str) {
+    response.widget_info(|| WidgetInfo {
+        current_text_value: Some(value.to_owned()),
+        ..WidgetInfo::labeled(Role::TextInput, response.enabled(), name)
+    });
+}
+
 /// Text in the quieter tone.
 pub fn quiet(ui: &mut Ui, text: &str) -> Response {
     let colour = theme::palette(ui).quiet;
@@ -198,7 +206,7 @@ pub fn chip(ui: &mut Ui, on: bool, text: &str, name: &str) -> bool {
 }
 
 /// A bar that shows how far something is.
-pub fn progress(ui: &mut Ui, part: f32, name: &str) {
+pub fn progress(ui: &mut Ui, part: f32, name: &str) -> Response {
     let palette = theme::palette(ui);
     let (room, response) = ui.allocate_exact_size(vec2(theme::PROGRESS_WIDTH, theme::CONTROL_HEIGHT), Sense::hover());
     let rect = Rect::from_center_size(room.center(), vec2(room.width(), theme::PROGRESS_HEIGHT));
@@ -211,6 +219,7 @@ pub fn progress(ui: &mut Ui, part: f32, name: &str) {
         info.value = Some(f64::from(part));
         info
     });
+    response
 }
 
 /// The multiples of a round step in `range`, about `most` of them at the most, and the step.

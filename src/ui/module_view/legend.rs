@@ -3,15 +3,14 @@
 
 use eframe::egui::{Align, Color32, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::scene::Scene;
 use super::series::Series;
-use super::time_axis::TimeView;
-use crate::bench::Module;
 use crate::ui::settings::Settings;
 use crate::ui::theme::{self, Palette};
 use crate::ui::widgets;
 
 /// Draws the entry of a series into `rect` and lets a click switch it.
-pub fn entry(ui: &mut Ui, rect: Rect, series: &Series<'_>, settings: &mut Settings, at_cursor: Option<&str>) {
+pub fn entry(ui: &mut Ui, rect: Rect, series: &Series<'_>, settings: &mut Settings, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
     let hidden = settings.hidden.contains(series.stem);
     let response = ui.interact(rect, ui.scope_id().with(("legend", series.stem)), Sense::click());
@@ -21,8 +20,8 @@ pub fn entry(ui: &mut Ui, rect: Rect, series: &Series<'_>, settings: &mut Settin
     let inside = rect.shrink2(vec2(theme::UNIT, 0.0));
     mark(ui, inside, series, hidden, palette);
     let text = inside.with_min_x(inside.left() + theme::GLYPH + theme::UNIT);
-    let value = at_cursor.unwrap_or_default();
-    let place = widgets::line_in(ui, text, Align::Max, value, theme::small(), palette.text);
+    let value = scene.value(series);
+    let place = widgets::line_in(ui, text, Align::Max, &value, theme::small(), palette.text);
     let name = text.with_max_x(place.left() - if value.is_empty() { 0.0 } else { theme::UNIT });
     let colour = if hidden { palette.line } else { palette.quiet };
     widgets::line_in(ui, name, Align::Min, series.label, theme::small(), shade(colour, hidden, palette));
@@ -54,17 +53,4 @@ fn mark(ui: &Ui, rect: Rect, series: &Series<'_>, hidden: bool, palette: &Palett
     } else {
         ui.painter().rect_filled(swatch, rounding, series.colour(palette));
     }
-}
-
-/// How far from the pointer a sample may lie, as a multiple of the poll interval and in points.
-const REACH: (f64, f64) = (1.5, 6.0);
-/// And in seconds at least.
-const LEAST_REACH: f64 = 0.5;
-
-/// The sample shown for the pointer's time; none in a gap.
-pub fn sample_at(module: &Module, series: &Series<'_>, view: &TimeView, seconds: f64) -> Option<[f64; 2]> {
-    let sample = series.trend?.nearest(seconds)?;
-    let interval = module.interval.unwrap_or_default().as_secs_f64();
-    let reach = (interval * REACH.0).max(view.seconds_per_point() * REACH.1).max(LEAST_REACH);
-    ((sample[0] - seconds).abs() <= reach).then_some(sample)
 }

@@ -1,10 +1,11 @@
 //! The history of the readings: plots of the numbers, one for each unit, and strips of the switches, all on one span
 //! of time. It follows the present until it is dragged or paused.
 
-use eframe::egui::{Align, Align2, PointerButton, Rangef, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{Align, Align2, PointerButton, Rangef, Rect, Response, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use jiff::Timestamp;
 
 use super::number_plot::{self, Areas};
+use super::scene::Scene;
 use super::series::Series;
 use super::strips;
 use super::time_axis::{self, TimeView};
@@ -60,14 +61,15 @@ impl LivePlot {
         let mut view = TimeView { from: to - settings.span, to, columns: layout.timed.x_range() };
         self.navigate(ui, &response, &mut view, settings, latest);
         let cursor = response.hover_pos().map(|pointer| view.seconds(pointer.x));
+        let scene = Scene { module, view, cursor };
 
         for (group, areas) in groups.iter().zip(&layout.plots) {
-            number_plot::show(ui, areas, module, group, settings, &view, cursor);
+            number_plot::show(ui, areas, group, settings, &scene);
         }
         let palette = theme::palette(ui);
         strips_grid(ui, &layout, &view, palette);
         for (switch, places) in switches.iter().zip(&layout.strips) {
-            strips::show(ui, *places, module, switch, settings, &view, cursor);
+            strips::show(ui, *places, switch, settings, &scene);
         }
         time_axis::show(ui.painter(), layout.axis, &view, palette);
         self.selection(ui, &response, layout.timed, palette);
@@ -92,7 +94,7 @@ impl LivePlot {
                 None => ("Pause", "Hold the plot; readings go on"),
                 Some(_) => ("Follow", "Back to the present"),
             };
-            let button = eframe::egui::Button::new(name).min_size(vec2(theme::LEFT_WIDTH, theme::CONTROL_HEIGHT));
+            let button = eframe::egui::Button::new(name).min_size(vec2(theme::BUTTON_WIDTH, theme::CONTROL_HEIGHT));
             let response = ui.add(button).on_hover_text(help);
             let accessible = if self.end.is_none() { "Pause plot" } else { "Follow" };
             response.widget_info(|| eframe::egui::WidgetInfo::labeled(eframe::egui::Role::Button, true, accessible));
@@ -125,6 +127,8 @@ impl LivePlot {
             let factor = (-f64::from(scroll) * ZOOM_PER_POINT).exp() / f64::from(pinch);
             if factor != 1.0 {
                 self.zoom(view, view.seconds(pointer.x), factor, settings);
+                // The scroll area around the plot shall not move as well.
+                ui.input_mut(|input| input.smooth_scroll_delta = Vec2::ZERO);
             }
         }
         self.select(response, view, settings);

@@ -5,6 +5,7 @@ mod legend;
 mod live_plot;
 mod number_plot;
 mod readings;
+mod scene;
 mod series;
 mod strips;
 mod time_axis;
@@ -17,7 +18,7 @@ pub use series::{Freshness, Series, series_of};
 
 use super::app::Pass;
 use super::dialogs::Dialogs;
-use super::{module_list, theme};
+use super::{empty, theme};
 use crate::bench::Module;
 use identity::Polling;
 use live_plot::LivePlot;
@@ -40,7 +41,7 @@ pub struct ModuleView {
 impl ModuleView {
     pub fn show(&mut self, ui: &mut Ui, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
         let bench = pass.bench;
-        let Some(module) = bench.shown() else { return module_list::nothing_shown(ui, pass) };
+        let Some(module) = bench.shown() else { return empty::show(ui, pass) };
         if module.definition().is_none() {
             return unknown::show(ui, module, pass, dialogs);
         }

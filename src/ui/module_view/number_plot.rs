@@ -6,13 +6,13 @@ use eframe::egui::{Align2, Painter, Rangef, Rect, Sense, Stroke, Ui, UiBuilder, 
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
 use super::legend;
+use super::scene::Scene;
 use super::series::Series;
 use super::time_axis::TimeView;
-use crate::bench::Module;
 use crate::module::Kind;
 use crate::ui::settings::Settings;
 use crate::ui::theme::{self, Palette};
-use crate::ui::{widgets, words};
+use crate::ui::widgets;
 
 /// The smallest range of values, in units of the last decimal: noise shall not look like an event.
 const LEAST_RANGE: f64 = 100.0;
@@ -28,64 +28,54 @@ pub struct Areas {
     pub plot: Rect,
 }
 
-pub fn show(
-    ui: &mut Ui,
-    areas: &Areas,
-    module: &Module,
-    group: &[&Series<'_>],
-    settings: &mut Settings,
-    view: &TimeView,
-    cursor: Option<f64>,
-) {
+/// The range of values that is drawn, with the grid's lines and their distance.
+struct Scale {
+    values: RangeInclusive<f64>,
+    ticks: Vec<f64>,
+    step: f64,
+}
+
+pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Settings, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
-    entries(ui, areas.legend, module, group, settings, view, cursor);
+    for (index, series) in group.iter().enumerate() {
+        let top = areas.legend.top() + index as f32 * theme::LEGEND_ROW;
+        let row = Rect::from_min_size(pos2(areas.legend.left(), top), vec2(areas.legend.width(), theme::LEGEND_ROW));
+        legend::entry(ui, row, series, settings, scene);
+    }
     let visible: Vec<&Series<'_>> =
         group.iter().copied().filter(|series| !settings.hidden.contains(series.stem)).collect();
-    let (values, ticks, step) = scale(&visible, view, areas.plot.height());
-    labels(ui.painter(), areas, &values, &ticks, step, palette);
+    let scale = Scale::new(&visible, &scene.view, areas.plot.height());
+    labels(ui.painter(), areas, &scale, palette);
     let unit = group.first().map_or("", |series| series.unit);
-    lines(ui, areas.plot, unit, &visible, view, (&values, &ticks, step));
-    if let Some(seconds) = cursor {
-        marks(ui.painter(), areas.plot, module, &visible, view, &values, seconds, palette);
-    }
+    lines(ui, areas.plot, unit, &visible, &scene.view, &scale);
+    marks(ui.painter(), areas.plot, &visible, scene, &scale, palette);
     if visible.iter().all(|series| series.trend.is_none_or(|trend| trend.is_empty())) {
         let text = if visible.is_empty() { "Hidden" } else { "No readings yet" };
         ui.painter().text(areas.plot.center(), Align2::CENTER_CENTER, text, theme::body(), palette.old);
     }
 }
 
-fn entries(
-    ui: &mut Ui,
-    rect: Rect,
-    module: &Module,
-    group: &[&Series<'_>],
-    settings: &mut Settings,
-    view: &TimeView,
-    cursor: Option<f64>,
-) {
-    for (index, series) in group.iter().enumerate() {
-        let top = rect.top() + index as f32 * theme::LEGEND_ROW;
-        let row = Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width(), theme::LEGEND_ROW));
-        let value = cursor.map(|seconds| match legend::sample_at(module, series, view, seconds) {
-            Some(sample) => format!("{} {}", series.sample_word(sample[1]), series.unit),
-            None => words::UNKNOWN.to_owned(),
-        });
-        legend::entry(ui, row, series, settings, value.as_deref());
+impl Scale {
+    /// Some room above and below the lines, and never so fine that noise looks like an event.
+    fn new(visible: &[&Series<'_>], view: &TimeView, height: f32) -> Self {
+        let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
+        let (low, high) = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0));
+        let finest = visible.iter().map(|series| resolution(series)).fold(0.0, f64::max);
+        let least = (finest * LEAST_RANGE).max(f64::EPSILON);
+        let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0 * (1.0 + MARGIN)).max(least / 2.0));
+        let most = f64::from(height / theme::TICK_DISTANCE[1]).max(2.0);
+        let (_, step) = widgets::round_steps(&(middle - half..=middle + half), most);
+        let grain = step * GRAIN;
+        let values = ((middle - half) / grain).floor() * grain..=((middle + half) / grain).ceil() * grain;
+        let ticks = widgets::multiples(&values, step);
+        Self { values, ticks, step }
     }
-}
 
-/// The range of values with some room, its ticks and their step.
-fn scale(visible: &[&Series<'_>], view: &TimeView, height: f32) -> (RangeInclusive<f64>, Vec<f64>, f64) {
-    let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
-    let (low, high) = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0));
-    let least = visible.iter().map(|series| resolution(series) * LEAST_RANGE).fold(0.0, f64::max).max(f64::EPSILON);
-    let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0 * (1.0 + MARGIN)).max(least / 2.0));
-    let most = f64::from(height / theme::TICK_DISTANCE[1]).max(2.0);
-    let (_, step) = widgets::round_steps(&(middle - half..=middle + half), most);
-    let grain = step * GRAIN;
-    let values = ((middle - half) / grain).floor() * grain..=((middle + half) / grain).ceil() * grain;
-    let ticks = widgets::multiples(&values, step);
-    (values, ticks, step)
+    /// Where a value lies on the screen.
+    fn y(&self, value: f64, rect: Rect) -> f32 {
+        let part = (value - self.values.start()) / (self.values.end() - self.values.start());
+        rect.bottom() - (part * f64::from(rect.height())) as f32
+    }
 }
 
 /// One unit of the last decimal.
@@ -96,17 +86,11 @@ fn resolution(series: &Series<'_>) -> f64 {
     }
 }
 
-/// Where a value lies on the screen.
-fn y_of(value: f64, values: &RangeInclusive<f64>, rect: Rect) -> f32 {
-    let part = (value - values.start()) / (values.end() - values.start());
-    rect.bottom() - (part * f64::from(rect.height())) as f32
-}
-
 /// Numbers at the grid's lines; those at the very edge are left out, they would touch the neighbouring plot.
-fn labels(painter: &Painter, areas: &Areas, values: &RangeInclusive<f64>, ticks: &[f64], step: f64, palette: &Palette) {
-    let places = (-step.log10().floor()).clamp(0.0, 4.0) as usize;
-    for tick in ticks {
-        let y = y_of(*tick, values, areas.plot);
+fn labels(painter: &Painter, areas: &Areas, scale: &Scale, palette: &Palette) {
+    let places = (-scale.step.log10().floor()).clamp(0.0, 4.0) as usize;
+    for tick in &scale.ticks {
+        let y = scale.y(*tick, areas.plot);
         if areas.plot.y_range().shrink(theme::UNIT).contains(y) {
             let place = pos2(areas.labels.right() - theme::UNIT, y);
             // Adding zero makes -0 positive.
@@ -116,20 +100,13 @@ fn labels(painter: &Painter, areas: &Areas, values: &RangeInclusive<f64>, ticks:
     }
 }
 
-fn lines(
-    ui: &mut Ui,
-    rect: Rect,
-    unit: &str,
-    visible: &[&Series<'_>],
-    view: &TimeView,
-    (values, ticks, step): (&RangeInclusive<f64>, &[f64], f64),
-) {
+fn lines(ui: &mut Ui, rect: Rect, unit: &str, visible: &[&Series<'_>], view: &TimeView, scale: &Scale) {
     let palette = theme::palette(ui);
     let (time_ticks, time_step) = view.ticks();
     let marks = |ticks: &[f64], step: f64| -> Vec<GridMark> {
         ticks.iter().map(|value| GridMark { value: *value, step_size: step }).collect()
     };
-    let (across, upwards) = (marks(&time_ticks, time_step), marks(ticks, step));
+    let (across, upwards) = (marks(&time_ticks, time_step), marks(&scale.ticks, scale.step));
     let plot = Plot::new(("numbers", unit))
         .width(rect.width())
         .height(rect.height())
@@ -148,7 +125,7 @@ fn lines(
         .x_grid_spacer(move |_| across.clone())
         .y_grid_spacer(move |_| upwards.clone());
     let strokes: Vec<Line<'_>> = visible.iter().flat_map(|series| traces(series, view, palette)).collect();
-    let (times, values) = (view.from..=view.to, values.clone());
+    let (times, values) = (view.from..=view.to, scale.values.clone());
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         plot.show(ui, move |plot| {
             plot.set_plot_bounds_x(times);
@@ -170,26 +147,12 @@ fn traces<'a>(series: &Series<'_>, view: &TimeView, palette: &Palette) -> Vec<Li
 }
 
 /// The samples at the pointer's time.
-#[allow(clippy::too_many_arguments)]
-fn marks(
-    painter: &Painter,
-    rect: Rect,
-    module: &Module,
-    visible: &[&Series<'_>],
-    view: &TimeView,
-    values: &RangeInclusive<f64>,
-    seconds: f64,
-    palette: &Palette,
-) {
+fn marks(painter: &Painter, rect: Rect, visible: &[&Series<'_>], scene: &Scene<'_>, scale: &Scale, palette: &Palette) {
     for series in visible {
-        if let Some([at, value]) = legend::sample_at(module, series, view, seconds) {
-            let place = pos2(view.x(at), y_of(value, values, rect));
-            painter.circle(
-                place,
-                theme::SAMPLE_MARK,
-                series.colour(palette),
-                Stroke::new(theme::HAIRLINE, palette.ground),
-            );
+        if let Some([at, value]) = scene.sample(series) {
+            let place = pos2(scene.view.x(at), scale.y(value, rect));
+            let edge = Stroke::new(theme::HAIRLINE, palette.ground);
+            painter.circle(place, theme::SAMPLE_MARK, series.colour(palette), edge);
         }
     }
 }

@@ -101,7 +101,7 @@ fn value_text(series: &Series<'_>) -> String {
 fn note(series: &Series<'_>, freshness: &Freshness, palette: &Palette) -> (String, eframe::egui::Color32) {
     match (freshness, series.problem()) {
         (Freshness::Fresh, _) => (String::new(), palette.quiet),
-        (Freshness::Old(age), Some(problem)) => (format!("{problem}, {} old", words::age(*age)), palette.error),
+        (Freshness::Old(age), Some(problem)) => (format!("{} old – {problem}", words::age(*age)), palette.error),
         (Freshness::Old(age), None) => (format!("{} old", words::age(*age)), palette.old),
         (Freshness::Unknown, Some(problem)) => (problem.to_string(), palette.error),
         (Freshness::Unknown, None) => ("not read yet".to_owned(), palette.old),

@@ -80,7 +80,7 @@ fn is_chosen(definition: &Arc<Definition>, item: &Item, unit: TemperatureUnit) -
         TemperatureUnit::Fahrenheit => ("_c", "_f"),
     };
     let twin = item.id.strip_suffix(unwanted).map(|stem| format!("{stem}{wanted}"));
-    !twin.is_some_and(|twin| definition.item(&twin).is_some())
+    twin.is_none_or(|twin| definition.item(&twin).is_none())
 }
 
 /// By the public names, which every definition shares.

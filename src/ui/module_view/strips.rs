@@ -3,35 +3,23 @@
 use eframe::egui::{Painter, Rect, Stroke, Ui, pos2};
 
 use super::legend;
+use super::scene::Scene;
 use super::series::Series;
 use super::time_axis::TimeView;
-use crate::bench::Module;
 use crate::ui::settings::Settings;
 use crate::ui::theme::{self, Palette};
-use crate::ui::words;
 
 /// The narrowest visible stretch.
 const LEAST_WIDTH: f32 = 1.0;
 
 /// Draws one strip, its name in `name` and its trace in `rect`.
-pub fn show(
-    ui: &mut Ui,
-    (name, rect): (Rect, Rect),
-    module: &Module,
-    series: &Series<'_>,
-    settings: &mut Settings,
-    view: &TimeView,
-    cursor: Option<f64>,
-) {
+pub fn show(ui: &mut Ui, (name, rect): (Rect, Rect), series: &Series<'_>, settings: &mut Settings, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
-    let value = cursor.map(|seconds| match legend::sample_at(module, series, view, seconds) {
-        Some(sample) => series.sample_word(sample[1]),
-        None => words::UNKNOWN.to_owned(),
-    });
-    legend::entry(ui, name, series, settings, value.as_deref());
+    legend::entry(ui, name, series, settings, scene);
     if settings.hidden.contains(series.stem) {
         return;
     }
+    let view = &scene.view;
     let painter = ui.painter().with_clip_rect(rect);
     for stretch in series.trend.map(|trend| trend.lines(view.from, view.to, view.buckets())).unwrap_or_default() {
         trace(&painter, rect, &runs(&stretch), series, view, palette);

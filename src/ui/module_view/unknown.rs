@@ -8,13 +8,21 @@ use crate::ui::dialogs::Dialogs;
 use crate::ui::{theme, widgets, words};
 
 pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
+    ui.vertical(|ui| {
+        ui.set_max_width(theme::TEXT_WIDTH);
+        introduce(ui, module, pass, dialogs);
+    });
+}
+
+fn introduce(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
     let palette = theme::palette(ui);
-    ui.set_max_width(theme::EMPTY_STATE_WIDTH);
     ui.label(RichText::new("Unknown module").heading().color(palette.text));
     let address = words::address(module.target.address);
     widgets::quiet(ui, &format!("Address {address}  ·  {}", words::spoken(&module.target)));
     ui.add_space(theme::GAP);
-    said(ui, "Name", &module.identified.name);
+    if !module.identified.name.is_empty() {
+        said(ui, "Name", &module.identified.name);
+    }
     said(ui, "Said", &module.identified.said);
     ui.add_space(theme::GAP);
     let known: Vec<&str> = pass.bench.catalogue().iter().map(|definition| definition.label.as_str()).collect();
@@ -36,9 +44,10 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Dia
 
 /// What the module said, as it said it, to be copied.
 fn said(ui: &mut Ui, title: &str, text: &str) {
-    ui.horizontal(|ui| {
-        widgets::fixed_coloured(ui, theme::LEFT_WIDTH, eframe::egui::Align::Min, title, theme::palette(ui).quiet);
+    ui.horizontal_top(|ui| {
+        widgets::fixed_coloured(ui, theme::ROW_NAME, eframe::egui::Align::Min, title, theme::palette(ui).quiet);
         let mut shown = if text.is_empty() { "nothing" } else { text };
-        ui.add(TextEdit::singleline(&mut shown).desired_width(f32::INFINITY).font(eframe::egui::TextStyle::Monospace));
+        let field = TextEdit::multiline(&mut shown).desired_rows(1).desired_width(f32::INFINITY);
+        ui.add(field.font(eframe::egui::TextStyle::Monospace));
     });
 }
