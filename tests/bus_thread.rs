@@ -220,6 +220,9 @@ fn a_write_changes_the_module_and_is_told_as_the_module_then_says() {
 fn a_write_that_stays_without_answer_is_sent_once_and_its_outcome_is_said_to_be_unknown() {
     let line = Line::open(&["pir-234@1"]);
     let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    let id = line.bus.next_id();
+    line.bus.send(BusCommand::Identify { id, target }).expect("room");
+    line.until(|event| matches!(event, BusEvent::Identified { .. }).then_some(()));
     line.sim.set_dead(1, true);
     let before = line.sim.requests();
     let value = definition.item("pir_on_time").expect("an item").parse("66").expect("a value");
@@ -239,6 +242,93 @@ fn a_write_that_stays_without_answer_is_sent_once_and_its_outcome_is_said_to_be_
     assert!(error.contains("not known"), "{error}");
     assert_eq!(writes, 1);
     assert!(line.sim.requests() > before);
+}
+
+#[test]
+fn nothing_is_written_to_a_module_of_another_model() {
+    let line = Line::open(&["pir-130@1"]);
+    let (target, definition) = (target("pir-130@1"), line.definition("pir-234"));
+    let value = definition.item("pir_on_time").expect("an item").parse("66").expect("a value");
+    let before = line.sim.setting(1, "pir_on_time");
+    let (id, item) = (line.bus.next_id(), "pir_on_time".to_owned());
+    line.bus.send(BusCommand::Write { id, target, definition, item, value }).expect("room");
+    let result = line.until(|event| match event {
+        BusEvent::Written { result, .. } => Some(result.clone()),
+        _ => None,
+    });
+    assert!(result.expect_err("another model").to_string().contains("pir-130, not pir-234"));
+    assert_eq!(line.sim.setting(1, "pir_on_time"), before);
+}
+
+#[test]
+fn a_module_is_not_moved_to_an_address_where_another_answers() {
+    let line = Line::open(&["pir-234@1", "pir-130@2"]);
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    let value = definition.item("address").expect("an item").parse("2").expect("a value");
+    let (id, item) = (line.bus.next_id(), "address".to_owned());
+    line.bus.send(BusCommand::Write { id, target, definition, item, value }).expect("room");
+    let result = line.until(|event| match event {
+        BusEvent::Written { result, .. } => Some(result.clone()),
+        _ => None,
+    });
+    assert!(result.expect_err("it is taken").to_string().contains("already"));
+    assert_eq!(line.sim.setting(1, "address").as_deref(), Some("1"));
+}
+
+#[test]
+fn a_watch_follows_its_module_to_a_new_address() {
+    let line = Line::open(&["pir-234@1"]);
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    let (id, interval) = (line.bus.next_id(), Duration::from_millis(1));
+    let items = ItemSet::Live;
+    let watch = BusCommand::Watch { id, target, definition: definition.clone(), items, interval };
+    line.bus.send(watch).expect("room");
+    line.until(|event| matches!(event, BusEvent::Read { .. }).then_some(()));
+    let value = definition.item("address").expect("an item").parse("9").expect("a value");
+    let (id, item) = (line.bus.next_id(), "address".to_owned());
+    line.bus.send(BusCommand::Write { id, target, definition, item, value }).expect("room");
+    line.until(|event| match event {
+        BusEvent::Read { target, values, .. } if target.address == 9 => {
+            values.iter().all(|(_, v)| v.is_ok()).then_some(())
+        }
+        _ => None,
+    });
+}
+
+#[test]
+fn a_cancelled_scan_that_waited_for_its_turn_never_begins() {
+    let line = Line::open(&["pir-234@1"]);
+    let (reading, scan) = (line.bus.next_id(), line.bus.next_id());
+    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
+    line.bus.send(BusCommand::Read { id: reading, target, definition, items: ItemSet::All }).expect("room");
+    line.bus.send(BusCommand::Scan { id: scan, plan: ScanPlan::full() }).expect("room");
+    line.bus.send(BusCommand::CancelScan).expect("room");
+    let summary = line.until(|event| match event {
+        BusEvent::ScanEnded { id, summary } if *id == scan => Some(summary.clone()),
+        _ => None,
+    });
+    assert!(summary.cancelled && summary.done < summary.total.max(1), "{summary:?}");
+}
+
+#[test]
+fn a_scan_of_a_lost_line_says_that_it_is_lost() {
+    let line = Line::open(&["pir-234@1"]);
+    line.sim.unplug();
+    line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
+    let (_, summary) = line.scan(ScanPlan::quick());
+    assert!(summary.lost.is_some(), "{summary:?}");
+}
+
+#[test]
+fn an_unused_line_shows_no_transactions_a_second() {
+    let line = Line::open(&["pir-234@1"]);
+    line.read(target("pir-234@1"), &line.definition("pir-234"), "humidity").expect("a value");
+    let rate = |event: &BusEvent| match event {
+        BusEvent::Statistics(statistics) => Some(statistics.transactions_per_second),
+        _ => None,
+    };
+    assert!(line.until(rate) > 0.0);
+    assert_eq!(line.until(rate), 0.0);
 }
 
 #[test]

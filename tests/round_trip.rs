@@ -90,7 +90,8 @@ impl Bench {
             &self.definition.clone(),
             protocol,
             &mut self.dialogue.with(self.target, Patience::CONVERSATION),
-        );
+        )
+        .expect("an answer to every probe");
         let here = |item: &&Item| item.optional.as_ref().is_none_or(|part| options.contains(part));
         self.definition.items_over(protocol).filter(here).cloned().collect()
     }

@@ -72,16 +72,25 @@ impl Bench {
         self.shown = None;
         self.scan = None;
         self.settings = settings;
+        self.changing_line = Some(id);
         self.line = LineState::Opening { line: line.clone() };
         self.send(BusCommand::Open { id, line, settings });
     }
 
     fn disconnect(&mut self) {
         let id = self.bus.next_id();
+        self.changing_line = Some(id);
         self.send(BusCommand::Close { id });
     }
 
     fn start_scan(&mut self, line: LineAddress, settings: LineSettings, plan: ScanPlan) {
+        if let LineState::Lost { line: lost, reason } = &self.line
+            && lost.to_string() == line.to_string()
+        {
+            let text = format!("{line} is gone ({reason}) – plug the adapter in again before scanning");
+            return self.notify(Severity::Error, text);
+        }
+        // A line that is still being opened is open by the time the scan is taken.
         let same = self.line.line().is_some_and(|open| open.to_string() == line.to_string());
         if !same {
             self.connect(line, settings);

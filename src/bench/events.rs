@@ -20,26 +20,18 @@ impl Bench {
     }
 
     fn take(&mut self, event: BusEvent) {
+        if let Some(awaited) = self.changing_line {
+            return self.take_while_changing(awaited, event);
+        }
         match event {
-            BusEvent::Opened { .. } | BusEvent::LineRestored => self.line_is_open(),
-            BusEvent::OpenFailed { problem, .. } => {
-                self.line = LineState::Closed;
-                self.scan = None;
-                self.notify(Severity::Error, problem.to_string());
-            }
-            BusEvent::Closed { .. } => {
-                self.line = LineState::Closed;
-                self.modules.iter_mut().for_each(|module| module.interval = None);
-            }
             BusEvent::LineLost { reason } => self.line_is_lost(reason),
+            BusEvent::LineRestored => self.line_is_restored(),
             BusEvent::ScanProgress { id, progress } => {
-                if let Some(ScanState::Running { id: running, progress: shown, .. }) = &mut self.scan
-                    && *running == id
-                {
+                if let Some(ScanState::Running { progress: shown, .. }) = self.running_scan(id) {
                     *shown = Some(progress);
                 }
             }
-            BusEvent::Found { target, identified, .. } => self.found(target, identified),
+            BusEvent::Found { id, target, identified } => self.found(id, target, identified),
             BusEvent::ScanEnded { id, summary } => self.scan_ended(id, summary),
             BusEvent::Read { target, at, values, .. } => {
                 if let Some(module) = self.module_mut(&target) {
@@ -48,21 +40,52 @@ impl Bench {
             }
             BusEvent::Traffic(frame) => self.keep(frame),
             BusEvent::Statistics(statistics) => self.statistics = statistics,
-            BusEvent::Identified { .. }
+            BusEvent::Opened { .. }
+            | BusEvent::OpenFailed { .. }
+            | BusEvent::Closed { .. }
+            | BusEvent::Identified { .. }
             | BusEvent::Written { .. }
             | BusEvent::Acted { .. }
             | BusEvent::RawAnswer { .. } => {}
         }
     }
 
-    fn line_is_open(&mut self) {
-        let Some(line) = self.line.line().cloned() else { return };
-        if let LineState::Lost { .. } = self.line {
-            self.notify(Severity::Info, format!("{line} is there again"));
-        } else {
-            self.statistics = Statistics::default();
+    /// Until the line is the one that was asked for, everything else speaks of the line before.
+    fn take_while_changing(&mut self, awaited: RequestId, event: BusEvent) {
+        match event {
+            BusEvent::Opened { id, .. } if id == awaited => self.line_is_open(),
+            BusEvent::OpenFailed { id, problem, .. } if id == awaited => {
+                self.line = LineState::Closed;
+                self.scan = None;
+                self.notify(Severity::Error, problem.to_string());
+            }
+            BusEvent::Closed { id } if id == awaited => {
+                self.line = LineState::Closed;
+                self.statistics = Statistics::default();
+                self.modules.iter_mut().for_each(|module| module.interval = None);
+            }
+            BusEvent::ScanEnded { id, summary } => return self.scan_ended(id, summary),
+            _ => return,
         }
-        self.line = LineState::Open { line };
+        self.changing_line = None;
+    }
+
+    fn running_scan(&mut self, id: RequestId) -> Option<&mut ScanState> {
+        self.scan.as_mut().filter(|scan| matches!(scan, ScanState::Running { id: running, .. } if *running == id))
+    }
+
+    fn line_is_open(&mut self) {
+        if let Some(line) = self.line.line().cloned() {
+            self.statistics = Statistics::default();
+            self.line = LineState::Open { line };
+        }
+    }
+
+    fn line_is_restored(&mut self) {
+        if let Some(line) = self.line.line().cloned() {
+            self.notify(Severity::Info, format!("{line} is there again"));
+            self.line = LineState::Open { line };
+        }
     }
 
     fn line_is_lost(&mut self, reason: String) {
@@ -73,8 +96,8 @@ impl Bench {
     }
 
     /// A module found again keeps its history.
-    fn found(&mut self, target: Target, identified: Identified) {
-        if let Some(ScanState::Running { found, .. }) = &mut self.scan {
+    fn found(&mut self, id: RequestId, target: Target, identified: Identified) {
+        if let Some(ScanState::Running { found, .. }) = self.running_scan(id) {
             *found = found.saturating_add(1);
         }
         match self.module_mut(&target) {
@@ -84,8 +107,7 @@ impl Bench {
     }
 
     fn scan_ended(&mut self, id: RequestId, summary: ScanSummary) {
-        let running = matches!(&self.scan, Some(ScanState::Running { id: running, .. }) if *running == id);
-        if running {
+        if self.running_scan(id).is_some() {
             self.scan = Some(ScanState::Ended(summary));
         }
     }

@@ -69,6 +69,8 @@ pub struct Bench {
     ports: Vec<PortInfo>,
     line: LineState,
     settings: LineSettings,
+    /// The request that opens or closes the line, until it is answered; what comes before is of the line before.
+    changing_line: Option<RequestId>,
     scan: Option<ScanState>,
     modules: Vec<Module>,
     /// The module in view.
@@ -86,6 +88,7 @@ impl Bench {
             ports: ports(),
             line: LineState::default(),
             settings: LineSettings::default(),
+            changing_line: None,
             scan: None,
             modules: Vec::new(),
             shown: None,

@@ -11,12 +11,19 @@ use super::line::LineLost;
 use super::message::{RawRequest, Statistics};
 use super::problem::{LineProblem, ProblemKind};
 use super::serial::SerialLine;
-use super::tap::Tap;
+use super::tap::{Clock, Tap};
 use super::target::{LineAddress, Patience, Target};
 use super::tcp::TcpLink;
 use super::transaction::Wire;
 use crate::module::Ask;
 use crate::protocol::{AnswerFrom, Failure, LineSettings, Protocol, Query, Reply, dcon, modbus};
+
+/// What stays known of a line that was lost.
+pub struct Memory {
+    clock: Option<Clock>,
+    echoes: bool,
+    counts: Statistics,
+}
 
 /// An open line.
 pub struct Dialogue {
@@ -56,6 +63,34 @@ impl Dialogue {
     pub fn on_wire(wire: Wire) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         Ok(Self { link: Link::Wire(Box::new(wire)), runtime, counts: Statistics::default() })
+    }
+
+    /// What is to be remembered when the line is opened anew: its counts, whether it echoes, and its clock, so that
+    /// times do not go back if the system's clock was set meanwhile.
+    pub fn into_memory(self) -> Memory {
+        let (clock, echoes) = match &self.link {
+            Link::Wire(wire) => (Some(wire.clock()), wire.echoes()),
+            Link::Tcp(_) => (None, false),
+        };
+        Memory { clock, echoes, counts: self.counts }
+    }
+
+    pub fn remember(&mut self, memory: Memory) {
+        self.counts = memory.counts;
+        if let Link::Wire(wire) = &mut self.link {
+            wire.expect_echoes(memory.echoes);
+            if let Some(clock) = memory.clock {
+                wire.keep_clock(clock);
+            }
+        }
+    }
+
+    /// Whether the port is still there. A network line tells only when it is used.
+    pub fn look(&mut self) -> Result<(), Failure> {
+        match &mut self.link {
+            Link::Wire(wire) => Ok(wire.look()?),
+            Link::Tcp(_) => Ok(()),
+        }
     }
 
     /// UTC by the line's clock.
@@ -186,7 +221,7 @@ pub struct Speaker<'a> {
 }
 
 impl Speaker<'_> {
-    /// Leaves failures out of the error statistics: a scan expects silence.
+    /// Leaves failures out of the error statistics, and asks but once after a change of speed: a scan expects silence.
     pub fn uncounted(mut self) -> Self {
         self.counted = false;
         self
@@ -198,7 +233,10 @@ impl Speaker<'_> {
         }
         match failure {
             // The first exchange after a change of speed is sometimes lost.
-            Failure::Silent => silences < self.patience.after_silence.saturating_add(u8::from(self.changed_settings)),
+            Failure::Silent => {
+                let once_more = self.changed_settings && self.counted;
+                silences < self.patience.after_silence.saturating_add(u8::from(once_more))
+            }
             failure if failure.is_garbage() => garbage < self.patience.after_garbage,
             _ => false,
         }
@@ -218,9 +256,7 @@ impl Ask for Speaker<'_> {
         let window = if query.is_write() { Patience::WRITE_WINDOW } else { self.patience.window };
         loop {
             let outcome = self.dialogue.once(&self.target, query, window);
-            if self.counted {
-                self.dialogue.count(outcome.as_ref().err());
-            }
+            self.dialogue.count(outcome.as_ref().err().filter(|_| self.counted));
             let Err(failure) = &outcome else {
                 self.changed_settings = false;
                 return outcome;

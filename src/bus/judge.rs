@@ -18,16 +18,8 @@ pub enum Expected {
 }
 
 impl Expected {
-    /// The module asked by `request`, where the request tells.
-    pub fn address(&self, request: &[u8]) -> Option<u8> {
-        match self {
-            Self::Rtu { .. } => request.first().copied(),
-            _ => self.next_address(),
-        }
-    }
-
     /// The module that is asked, if there is only one.
-    pub fn next_address(&self) -> Option<u8> {
+    pub fn address(&self) -> Option<u8> {
         match self {
             Self::Rtu { address } => Some(*address),
             Self::Dcon { from: AnswerFrom::Addresses(addresses), .. } => addresses.first().copied(),
@@ -46,7 +38,7 @@ pub enum Verdict {
     /// It has begun; more has to come.
     More,
     /// It will not become an answer any more.
-    Failed { failure: Failure, echo: bool },
+    Failed(Failure),
 }
 
 /// Judges what has arrived while more may still come.
@@ -78,7 +70,7 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
 /// Judges what has arrived when nothing more came in time.
 pub fn after_silence(request: &[u8], expected: &Expected, received: &[u8], echoes: bool) -> Verdict {
     let (rest, echo) = without_echo(request, expected, received, echoes);
-    let failed = |failure| Verdict::Failed { failure, echo };
+    let failed = Verdict::Failed;
     if rest.is_empty() {
         return failed(Failure::Silent);
     }
@@ -103,12 +95,12 @@ fn after_silence_rtu(request: &[u8], meant: &[u8], echo: bool) -> Verdict {
     match (modbus::answer_length(request, meant), checked) {
         (AnswerLength::UntilSilence, Ok(())) => Verdict::Answer { bytes: meant.to_vec(), echo, noise: false },
         (AnswerLength::Bytes(length), _) if meant.len() < length => {
-            Verdict::Failed { failure: Failure::Cut { bytes: meant.to_vec() }, echo }
+            Verdict::Failed(Failure::Cut { bytes: meant.to_vec() })
         }
-        (AnswerLength::NotYetKnown, _) => Verdict::Failed { failure: Failure::Cut { bytes: meant.to_vec() }, echo },
+        (AnswerLength::NotYetKnown, _) => Verdict::Failed(Failure::Cut { bytes: meant.to_vec() }),
         (_, checked) => {
             let reason = checked.err().map_or_else(|| "unexpected bytes".to_owned(), |error| error.to_string());
-            Verdict::Failed { failure: Failure::Garbled { reason, bytes: meant.to_vec() }, echo }
+            Verdict::Failed(Failure::Garbled { reason, bytes: meant.to_vec() })
         }
     }
 }
@@ -135,10 +127,11 @@ fn dcon_failure(meant: &[u8], checksum: bool, from: &AnswerFrom) -> Failure {
 
 /// Takes off the echo of the request, if there is one.
 ///
-/// The answer to a Modbus write of one value equals its request, so there an echo is taken off only on a line that was
-/// seen to echo before. Every write follows reads of the same module, which show it.
+/// Some answers equal their request: those to a Modbus write of one value, or to a loopback test. There an echo is taken
+/// off only on a line that was seen to echo before; every module is identified before it is written to, which shows it.
 fn without_echo<'a>(request: &[u8], expected: &Expected, received: &'a [u8], echoes: bool) -> (&'a [u8], bool) {
-    let answer_equals_request = matches!(expected, Expected::Rtu { .. }) && matches!(request.get(1), Some(0x05 | 0x06));
+    let tells_them_apart = matches!(request.get(1).copied(), Some(0x01..=0x04 | 0x0F | 0x10 | modbus::MODULE_SETTINGS));
+    let answer_equals_request = matches!(expected, Expected::Rtu { .. }) && !tells_them_apart;
     match received.strip_prefix(request) {
         Some(rest) if echoes || !answer_equals_request => (rest, true),
         _ => (received, false),
@@ -154,16 +147,15 @@ fn find_rtu(request: &[u8], rest: &[u8]) -> Option<Vec<u8>> {
     })
 }
 
+/// A stray byte may look like a delimiter, so every delimiter is tried.
 fn find_dcon(rest: &[u8], checksum: bool, from: &AnswerFrom) -> Option<Vec<u8>> {
-    let mut rest = rest;
-    loop {
-        let range = dcon::find_answer(rest)?;
-        let frame = rest.get(range.clone())?;
-        if dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from)) {
-            return Some(frame.to_vec());
-        }
-        rest = rest.get(range.end.saturating_add(1)..)?;
-    }
+    (0..rest.len()).find_map(|start| {
+        let candidate = rest.get(start..)?;
+        let range = dcon::find_answer(candidate).filter(|range| range.start == 0)?;
+        let frame = candidate.get(range)?;
+        let right = dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from));
+        right.then(|| frame.to_vec())
+    })
 }
 
 fn is_from(answer: &dcon::Answer, from: &AnswerFrom) -> bool {
@@ -220,7 +212,7 @@ mod tests {
     #[test]
     fn an_echo_alone_is_silence() {
         let verdict = after_silence(b"$01M\r", &dcon(false), b"$01M\r", false);
-        assert_eq!(verdict, Verdict::Failed { failure: Failure::Silent, echo: true });
+        assert_eq!(verdict, Verdict::Failed(Failure::Silent));
     }
 
     #[test]
@@ -251,16 +243,16 @@ mod tests {
     #[test]
     fn what_differs_from_the_request_on_an_echoing_line_is_a_collision() {
         let verdict = after_silence(b"$01M\r", &dcon(false), b"$0qM\r", true);
-        assert!(matches!(verdict, Verdict::Failed { failure: Failure::Collision { .. }, .. }));
+        assert!(matches!(verdict, Verdict::Failed(Failure::Collision { .. })));
     }
 
     #[test]
     fn an_answer_cut_short_is_told_apart_from_garbage() {
         let request = modbus::with_crc(READ);
         let cut = after_silence(&request, &rtu(), &[1, 3, 2, 0], false);
-        assert!(matches!(cut, Verdict::Failed { failure: Failure::Cut { .. }, .. }), "{cut:?}");
+        assert!(matches!(cut, Verdict::Failed(Failure::Cut { .. })), "{cut:?}");
         let garbage = after_silence(&request, &rtu(), &[0x81, 0x92, 0x33], false);
-        assert!(matches!(garbage, Verdict::Failed { failure: Failure::Garbled { .. }, .. }), "{garbage:?}");
+        assert!(matches!(garbage, Verdict::Failed(Failure::Garbled { .. })), "{garbage:?}");
     }
 
     #[test]

@@ -49,6 +49,9 @@ pub trait Line: Send {
     /// Drops what has arrived and was not received.
     fn purge(&mut self) -> Result<(), LineLost>;
 
+    /// Whether the port is still there; cheap enough for once a second.
+    fn look(&mut self) -> Result<(), LineLost>;
+
     /// The line's clock.
     fn now(&self) -> Instant;
 

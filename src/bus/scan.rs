@@ -4,11 +4,13 @@ use std::time::Duration;
 
 use super::dialogue::Dialogue;
 use super::target::{Patience, Target};
+use super::transaction::SETTLE as SETTLE_AFTER_CHANGE;
 use crate::module::{Catalogue, Identified, identify};
 use crate::protocol::{BaudRate, DataFormat, Failure, LineSettings, Protocol};
 
 /// How long a scan listens at an address unless told otherwise: a response delay of 30 ms, a USB adapter's 16 ms.
 pub const DEFAULT_WINDOW: Duration = Duration::from_millis(60);
+const LONGEST_WINDOW: Duration = Duration::from_secs(60);
 /// Addresses of Modbus slaves.
 const MODBUS_ADDRESSES: std::ops::RangeInclusive<u8> = 1..=247;
 /// Characters of the questions that open an address: `$AAM` with CR, and a read of registers with CRC.
@@ -120,6 +122,17 @@ impl ScanPlan {
     }
 }
 
+impl ScanPlan {
+    /// How long the scan takes if nothing answers.
+    pub fn duration(&self) -> Duration {
+        let targets = self.targets();
+        let changes = targets.windows(2).filter(|pair| matches!(pair, [a, b] if a.settings != b.settings)).count();
+        let changes = u32::try_from(changes).unwrap_or(u32::MAX);
+        let questions: Duration = targets.iter().map(|target| self.cost(target)).sum();
+        questions.saturating_add(SETTLE_AFTER_CHANGE.saturating_mul(changes))
+    }
+}
+
 /// How far a scan is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanProgress {
@@ -156,6 +169,7 @@ pub struct Scan {
     next: usize,
     left: Duration,
     summary: ScanSummary,
+    found: Vec<Target>,
     pub paused: bool,
 }
 
@@ -168,10 +182,11 @@ pub enum ScanStep {
 
 impl Scan {
     pub fn new(plan: ScanPlan) -> Self {
+        let plan = ScanPlan { window: plan.window.min(LONGEST_WINDOW), ..plan };
         let targets = plan.targets();
-        let left = targets.iter().map(|target| plan.cost(target)).sum();
+        let left = plan.duration();
         let summary = ScanSummary { total: targets.len(), ..ScanSummary::default() };
-        Self { plan, targets, next: 0, left, summary, paused: false }
+        Self { plan, targets, next: 0, left, summary, found: Vec::new(), paused: false }
     }
 
     /// `None` when it has ended.
@@ -183,28 +198,52 @@ impl Scan {
     /// Asks at the next address.
     pub fn step(&mut self, catalogue: &Catalogue, dialogue: &mut Dialogue) -> ScanStep {
         let Some(&target) = self.targets.get(self.next) else { return ScanStep::Ended };
+        if self.is_known(&target) {
+            return self.go_on(&target);
+        }
         let mut speaker = dialogue.with(target, Patience::scan(self.plan.window)).uncounted();
         let outcome = identify(catalogue, target.protocol, target.address, &mut speaker);
-        self.next = self.next.saturating_add(1);
-        self.left = self.left.saturating_sub(self.plan.cost(&target));
         match outcome {
             Ok(identified) => {
                 self.summary.found = self.summary.found.saturating_add(1);
+                self.found.push(target);
+                self.go_on(&target);
                 if self.plan.stop_at_first {
                     self.targets.truncate(self.next);
                 }
                 return ScanStep::Found(target, Box::new(identified));
             }
-            Err(Failure::LineLost(reason)) => {
-                self.summary.lost = Some(reason);
-                self.targets.truncate(self.next);
-            }
+            Err(Failure::LineLost(reason)) => return self.lose(reason),
             Err(failure) if failure.is_garbage() && self.summary.unreadable.len() < MOST_UNREADABLE => {
                 self.summary.unreadable.push((target, failure.to_string()));
             }
             Err(_) => {}
         }
+        self.go_on(&target)
+    }
+
+    /// The second stop bit of N82 is a pause to a receiver of N81, so a module found with the one answers to the other.
+    fn is_known(&self, target: &Target) -> bool {
+        let without_parity = |format| matches!(format, DataFormat::N81 | DataFormat::N82);
+        self.found.iter().any(|found| {
+            let twin = LineSettings { data_format: target.settings.data_format, ..found.settings };
+            without_parity(found.settings.data_format)
+                && without_parity(target.settings.data_format)
+                && Target { settings: twin, ..*found } == *target
+        })
+    }
+
+    fn go_on(&mut self, target: &Target) -> ScanStep {
+        self.next = self.next.saturating_add(1);
+        self.left = self.left.saturating_sub(self.plan.cost(target));
         if self.next < self.targets.len() { ScanStep::Nothing } else { ScanStep::Ended }
+    }
+
+    /// The line has gone: the scan ends here.
+    pub fn lose(&mut self, reason: String) -> ScanStep {
+        self.summary.lost = Some(reason);
+        self.targets.truncate(self.next);
+        ScanStep::Ended
     }
 
     pub fn end(mut self, cancelled: bool) -> ScanSummary {

@@ -135,6 +135,10 @@ impl Line for SerialLine {
         self.port.clear(ClearBuffer::Input).map_err(LineLost::new)
     }
 
+    fn look(&mut self) -> Result<(), LineLost> {
+        self.port.bytes_to_read().map(|_| ()).map_err(LineLost::new)
+    }
+
     fn now(&self) -> Instant {
         Instant::now()
     }

@@ -21,8 +21,9 @@ use super::codec;
 use super::tap::{Clock, Direction, Frame, Tap};
 use crate::protocol::{Failure, Query, Reply};
 
-/// A connection that was idle for longer may have been cut by the module unnoticed.
-const FRESH: Duration = Duration::from_secs(60);
+/// A connection that was idle for longer may have been cut by the module unnoticed (its idle timeout is 5 s at least), and
+/// a write must not find that out.
+const FRESH: Duration = Duration::from_secs(2);
 const CONNECT_LIMIT: Duration = Duration::from_secs(3);
 /// On a network an answer takes longer than on a wire; this is added to every window.
 pub const NETWORK_ALLOWANCE: Duration = Duration::from_millis(800);
@@ -64,7 +65,7 @@ impl TcpLink {
             let connecting = TcpStream::connect((self.host.as_str(), self.port));
             let stream = match tokio::time::timeout(CONNECT_LIMIT, connecting).await {
                 Ok(Ok(stream)) => stream,
-                Ok(Err(error)) => return Err(error.to_string()),
+                Ok(Err(error)) => return Err(words_of(&error)),
                 Err(_) => return Err(format!("no answer within {} s", CONNECT_LIMIT.as_secs())),
             };
             if let Err(error) = stream.set_nodelay(true) {
@@ -76,7 +77,7 @@ impl TcpLink {
 
     /// Asks once; a read whose connection turns out to be cut is asked again on a new one.
     pub fn ask(&mut self, runtime: &Runtime, unit: u8, query: &Query, window: Duration) -> Result<Reply, Failure> {
-        if self.last_used.elapsed() > FRESH {
+        if query.is_write() && self.last_used.elapsed() > FRESH {
             self.client = None;
         }
         let reply = self.ask_once(runtime, unit, query, window);
@@ -98,10 +99,10 @@ impl TcpLink {
         let answered =
             runtime.block_on(async { tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await });
         match answered {
-            Ok(Err(tokio_modbus::Error::Transport(error))) => Err(Failure::LineLost(error.to_string())),
+            Ok(Err(tokio_modbus::Error::Transport(error))) => Err(failure_of(&error)),
             Ok(answered) => {
                 self.answer_time = Some(started.elapsed());
-                let reply = codec::reply_of(query, answered);
+                let reply = gateway_silence(codec::reply_of(query, answered));
                 if reply.is_ok() || reply.as_ref().is_err_and(Failure::is_refusal) {
                     self.client = Some(client);
                 }
@@ -109,6 +110,40 @@ impl TcpLink {
             }
             Err(_) => Err(Failure::Silent),
         }
+    }
+}
+
+/// A gateway that says so for an absent module: nobody answered.
+fn gateway_silence(reply: Result<Reply, Failure>) -> Result<Reply, Failure> {
+    match reply {
+        Err(Failure::Exception { code: 0x0A | 0x0B }) => Err(Failure::Silent),
+        reply => reply,
+    }
+}
+
+/// In words that say what happened; an answer that cannot be decoded is no loss of the line.
+fn failure_of(error: &io::Error) -> Failure {
+    use io::ErrorKind as Kind;
+    match error.kind() {
+        Kind::InvalidData | Kind::InvalidInput => {
+            Failure::Garbled { reason: format!("the answer cannot be decoded: {error}"), bytes: Vec::new() }
+        }
+        _ => Failure::LineLost(words_of(error)),
+    }
+}
+
+fn words_of(error: &io::Error) -> String {
+    use io::ErrorKind as Kind;
+    match error.kind() {
+        Kind::UnexpectedEof
+        | Kind::BrokenPipe
+        | Kind::ConnectionReset
+        | Kind::ConnectionAborted
+        | Kind::NotConnected => "the module closed the connection".to_owned(),
+        Kind::ConnectionRefused => "nothing listens at this port".to_owned(),
+        Kind::HostUnreachable | Kind::NetworkUnreachable => "there is no way to this address".to_owned(),
+        Kind::TimedOut => "no answer in time".to_owned(),
+        _ => error.to_string(),
     }
 }
 

@@ -12,19 +12,40 @@ use super::tap::{Clock, Direction, Frame, Tap};
 use crate::protocol::{Failure, LineSettings};
 
 /// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
-const SETTLE: Duration = Duration::from_millis(20);
+pub const SETTLE: Duration = Duration::from_millis(20);
 /// Allowed between two bytes of one answer beyond the characters' own time; covers the latency of USB adapters.
 const BYTE_GAP: Duration = Duration::from_millis(30);
 /// How long after a missed answer the same address is left alone, so that a late answer finds nobody waiting.
 const LATE_GUARD: Duration = Duration::from_millis(100);
 /// More than any answer of any module; a line that babbles on is not listened to for ever.
 const MOST_BYTES: usize = 1024;
+/// Characters of the longest Modbus frame.
+const LONGEST_ANSWER: usize = 256;
 /// A babbling line is given up on after so long.
 const MOST_SETTLING: Duration = Duration::from_secs(1);
 
 impl From<LineLost> for Failure {
     fn from(lost: LineLost) -> Self {
         Self::LineLost(lost.reason)
+    }
+}
+
+/// Whose answer may still come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Missed {
+    rtu: bool,
+    /// `None` if the request did not tell whom it asked.
+    address: Option<u8>,
+}
+
+impl Missed {
+    fn of(expected: &Expected) -> Self {
+        Self { rtu: matches!(expected, Expected::Rtu { .. }), address: expected.address() }
+    }
+
+    /// Whether an answer to this could be taken for one to `other`.
+    fn resembles(self, other: Self) -> bool {
+        self.rtu == other.rtu && (self.address == other.address || self.address.is_none() || other.address.is_none())
     }
 }
 
@@ -41,7 +62,7 @@ pub struct Wire {
     /// The adapter sends back what is sent.
     echoes: bool,
     /// Address of the last request that stayed without answer, and until when an answer may still come.
-    missed: Option<(Option<u8>, Instant)>,
+    missed: Option<(Missed, Instant)>,
     /// From the end of the last answered request to the first byte of its answer.
     answer_time: Option<Duration>,
 }
@@ -72,6 +93,24 @@ impl Wire {
         self.echoes
     }
 
+    /// What the line was known for before it was opened anew.
+    pub fn expect_echoes(&mut self, echoes: bool) {
+        self.echoes = echoes;
+    }
+
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    pub fn keep_clock(&mut self, clock: Clock) {
+        self.clock = clock;
+    }
+
+    /// Whether the port is still there.
+    pub fn look(&mut self) -> Result<(), LineLost> {
+        self.line.look()
+    }
+
     pub fn answer_time(&self) -> Option<Duration> {
         self.answer_time
     }
@@ -98,6 +137,10 @@ impl Wire {
         }
         self.line.configure(settings)?;
         self.settings = settings;
+        self.missed = None;
+        // Adapters lose what follows a change of speed too closely.
+        let settled = self.line.now() + SETTLE;
+        self.line.wait_until(settled);
         self.line.purge()?;
         Ok(true)
     }
@@ -121,7 +164,7 @@ impl Wire {
         if !received.is_empty() {
             self.record(self.last_activity, Direction::Received, received);
         }
-        self.remember(&outcome, expected.address(request));
+        self.remember(&outcome, Missed::of(expected));
         outcome
     }
 
@@ -134,6 +177,7 @@ impl Wire {
         received: &mut Vec<u8>,
     ) -> Result<Vec<u8>, Failure> {
         let first_deadline = sent + window;
+        let give_up = first_deadline + self.settings.wire_time(LONGEST_ANSWER) + MOST_SETTLING;
         let mut deadline = first_deadline;
         let mut first_byte = None;
         let mut buffer = [0; 256];
@@ -154,27 +198,26 @@ impl Wire {
                     self.answer_time = Some(first.saturating_duration_since(sent));
                     return Ok(bytes);
                 }
-                Verdict::Failed { failure, echo } => {
-                    self.echoes |= echo;
-                    return Err(failure);
-                }
+                Verdict::Failed(failure) => return Err(failure),
                 Verdict::NothingYet => deadline = first_deadline,
                 Verdict::More => {
                     first_byte.get_or_insert(self.last_activity);
-                    deadline = self.last_activity + BYTE_GAP + self.settings.wire_time(2);
+                    // Bytes of others may come first, so the window stays open.
+                    let next_byte = self.last_activity + BYTE_GAP + self.settings.wire_time(2);
+                    deadline = next_byte.max(first_deadline);
                 }
             }
-            if received.len() > MOST_BYTES {
+            if received.len() > MOST_BYTES || self.last_activity > give_up {
                 let reason = "the line does not stop sending".to_owned();
                 return Err(Failure::Garbled { reason, bytes: received.iter().copied().take(64).collect() });
             }
         }
     }
 
-    fn remember(&mut self, outcome: &Result<Vec<u8>, Failure>, address: Option<u8>) {
+    fn remember(&mut self, outcome: &Result<Vec<u8>, Failure>, asked: Missed) {
         match outcome {
-            Ok(_) => self.missed = None,
-            Err(Failure::Silent) => self.missed = Some((address, self.line.now() + LATE_GUARD)),
+            Ok(_) => self.missed = self.missed.filter(|(missed, _)| !missed.resembles(asked)),
+            Err(Failure::Silent) => self.missed = Some((asked, self.line.now() + LATE_GUARD)),
             Err(_) => self.disturbed = true,
         }
     }
@@ -184,9 +227,8 @@ impl Wire {
         if self.disturbed {
             self.settle()?;
         }
-        let address = expected.next_address();
         if let Some((missed, until)) = self.missed
-            && (address.is_none() || missed == address)
+            && missed.resembles(Missed::of(expected))
         {
             self.line.wait_until(until);
         }
@@ -282,6 +324,10 @@ mod tests {
             Ok(())
         }
 
+        fn look(&mut self) -> Result<(), LineLost> {
+            Ok(())
+        }
+
         fn now(&self) -> Instant {
             self.now
         }
@@ -322,6 +368,24 @@ mod tests {
         let (late, right) = (answer(1), answer(2));
         let (mut wire, _) = wire(&[&[(100, &late)], &[(20, &right)]]);
         assert_eq!(ask(&mut wire), Err(Failure::Silent));
+        assert_eq!(ask(&mut wire), Ok(right));
+    }
+
+    #[test]
+    fn an_answer_of_another_module_does_not_end_the_wait_for_a_late_one() {
+        let neighbour = modbus::with_crc(&[2, 3, 2, 0, 9]);
+        let (late, right) = (answer(1), answer(2));
+        let (mut wire, _) = wire(&[&[(130, &late)], &[(20, &neighbour)], &[(30, &right)]]);
+        assert_eq!(ask(&mut wire), Err(Failure::Silent));
+        let other = modbus::with_crc(&[2, 3, 0, 0, 0, 1]);
+        assert_eq!(wire.exchange(&other, &Expected::Rtu { address: 2 }, WINDOW), Ok(neighbour));
+        assert_eq!(ask(&mut wire), Ok(right));
+    }
+
+    #[test]
+    fn a_stray_byte_does_not_shorten_the_window() {
+        let right = answer(6);
+        let (mut wire, _) = wire(&[&[(9, &[0x40]), (62, &right)]]);
         assert_eq!(ask(&mut wire), Ok(right));
     }
 

@@ -6,6 +6,10 @@ use super::message::RequestId;
 use super::target::Target;
 use crate::module::ReadPlan;
 
+const LONGEST_INTERVAL: Duration = Duration::from_secs(24 * 60 * 60);
+/// A module that refuses everything is not asked as fast as the line allows.
+const IDLE_INTERVAL: Duration = Duration::from_secs(1);
+
 /// One module that is watched.
 pub struct Watch {
     pub id: RequestId,
@@ -17,12 +21,13 @@ pub struct Watch {
 
 impl Watch {
     pub fn new(id: RequestId, target: Target, plan: ReadPlan, interval: Duration) -> Self {
-        Self { id, target, plan, interval, due: Instant::now() }
+        Self { id, target, plan, interval: interval.min(LONGEST_INTERVAL), due: Instant::now() }
     }
 
     /// Sets the time of the next poll. Missed polls are not caught up.
     fn schedule(&mut self, now: Instant) {
-        let next = self.due + self.interval;
+        let interval = if self.plan.is_idle() { self.interval.max(IDLE_INTERVAL) } else { self.interval };
+        let next = self.due + interval;
         self.due = if next > now { next } else { now };
     }
 }
@@ -41,6 +46,13 @@ impl Watches {
 
     pub fn remove(&mut self, target: &Target) {
         self.all.retain(|watch| watch.target != *target);
+    }
+
+    /// The module `from` is now `to`.
+    pub fn follow(&mut self, from: &Target, to: Target) {
+        if let Some(watch) = self.all.iter_mut().find(|watch| watch.target == *from) {
+            watch.target = to;
+        }
     }
 
     pub fn clear(&mut self) {

@@ -5,7 +5,7 @@ use clap::{ArgGroup, Args};
 use super::stop::Stop;
 use super::{Outcome, parse};
 use crate::bus::{LineAddress, Target};
-use crate::protocol::{BaudRate, DataFormat, LineSettings, Protocol};
+use crate::protocol::{BaudRate, DataFormat, LineSettings, Protocol, parse_address};
 
 /// Addresses of Modbus modules (PIR-234 manual 6.1).
 const MODBUS_ADDRESSES: std::ops::RangeInclusive<u8> = 1..=247;
@@ -69,7 +69,7 @@ impl LineArgs {
 #[command(next_help_heading = "Module")]
 pub struct ModuleArgs {
     /// Address of the module, over TCP its NetID: decimal, or hexadecimal as 0xA0 or A0h
-    #[arg(long, value_name = "N", value_parser = parse::address)]
+    #[arg(long, value_name = "N", value_parser = parse_address)]
     address: u8,
     /// Protocol of the module on a serial line: modbus_rtu or dcon [default: modbus_rtu]
     #[arg(long, value_parser = parse::serial_protocol, conflicts_with = "tcp")]

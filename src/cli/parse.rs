@@ -5,7 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::str::FromStr;
 use std::time::Duration;
 
-use crate::protocol::{BaudRate, DataFormat, Protocol};
+use crate::protocol::{BaudRate, DataFormat, Protocol, parse_addresses};
 
 /// Values separated by commas, each once, in the order given.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,31 +37,9 @@ fn words<T: Clone + PartialEq, E: Display>(
     List::collect(text.split(',').map(|word| read(word.trim()).map(|value| vec![value])))
 }
 
-/// One address: decimal, or hexadecimal as `0xA0` or `A0h`.
-pub fn address(text: &str) -> Result<u8, String> {
-    let text = text.trim();
-    let prefixed = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
-    let hexadecimal = prefixed.or_else(|| text.strip_suffix(['h', 'H']));
-    let plain = hexadecimal.unwrap_or(text);
-    let digits_only = !plain.is_empty() && plain.chars().all(|digit| digit.is_ascii_hexdigit());
-    let number = if hexadecimal.is_some() { u8::from_str_radix(plain, 16).ok() } else { plain.parse().ok() };
-    number
-        .filter(|_| digits_only)
-        .ok_or_else(|| format!("\"{text}\" is not an address: use 0 to 255 in decimal, or hexadecimal as 0xA0 or A0h"))
-}
-
 /// Addresses and ranges of them, `1,160-191`.
 pub fn addresses(text: &str) -> Result<List<u8>, String> {
-    List::collect(text.split(',').map(|part| match part.split_once('-') {
-        None => address(part).map(|address| vec![address]),
-        Some((first, last)) => {
-            let (first, last) = (address(first)?, address(last)?);
-            if first > last {
-                return Err(format!("\"{}\" is an empty range: write the lower address first", part.trim()));
-            }
-            Ok((first..=last).collect())
-        }
-    }))
+    parse_addresses(text).map(List)
 }
 
 pub fn baud_rates(text: &str) -> Result<List<BaudRate>, String> {
@@ -160,24 +138,6 @@ impl FromStr for Assignment {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn addresses_are_decimal_or_marked_as_hexadecimal() {
-        for (text, number) in [("1", 1), ("160", 160), ("0xA0", 160), ("0Xa0", 160), ("A0h", 160), ("0FFH", 255)] {
-            assert_eq!(address(text), Ok(number), "{text}");
-        }
-        for text in ["", "A0", "256", "-1", "+1", "0x", "h", "0x+1", "1.0"] {
-            assert!(address(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn lists_of_addresses_hold_each_once() {
-        assert_eq!(addresses("1, 0xA0-A2h,161").unwrap().0, [1, 160, 161, 162]);
-        assert_eq!(addresses("0-255").unwrap().0.len(), 256);
-        assert!(addresses("191-160").unwrap_err().contains("empty range"));
-        assert!(addresses("1,,2").is_err());
-    }
 
     #[test]
     fn all_stands_for_every_value() {

@@ -24,7 +24,7 @@ use progress::Progress;
     long_about = "Search a line for modules, with questions that change nothing.\n\nThe quick scan asks where modules are \
                   out of the box: address 1 and those that the DIP and rotary switches give (160 to 191), in both \
                   protocols at 9600 N81. The full scan asks at every address, speed, data format, protocol and checksum, \
-                  which takes hours. The other options replace parts of the plan. Over TCP, NetID 1 is asked unless \
+                  which takes half an hour and more. The other options replace parts of the plan. Over TCP, NetID 1 is asked unless \
                   --addresses names others.\n\nModules are printed as they are found. If none is, the exit code is 1.",
     after_help = "Examples:\n  dcon-bench scan --port /dev/ttyUSB0\n  dcon-bench scan --port COM3 --addresses 1,160-191 \
                   --baud-rates all --first\n  dcon-bench scan --port COM3 --full --protocols dcon --json\n  dcon-bench scan \

@@ -9,7 +9,6 @@ use super::stop::Stop;
 use super::{Outcome, names, output};
 use crate::bus::{ItemSet, Target, Values};
 use crate::module::{Applies, Item, Value, WriteError, moves_to};
-use crate::protocol::Failure;
 
 /// Options of `set`.
 #[derive(Debug, Clone, Args)]
@@ -47,9 +46,6 @@ pub fn run(args: &SetArgs) -> Outcome {
     for new in &args.values {
         changes.push(names::new_value(&definition, module.target.protocol, &new.name, &new.value)?);
     }
-    for (item, value) in &changes {
-        refuse_taken_address(&module, item, value)?;
-    }
     let ids = changes.iter().map(|(item, _)| item.id.clone()).collect();
     let old = module.session.read(module.target, &definition, ItemSet::Named(ids))?;
     let mut all_taken = true;
@@ -65,28 +61,6 @@ fn refuse_repeated(values: &[Assignment]) -> Outcome {
         Some(new) => Err(Stop::usage(format!("{} is given twice", new.name))),
         None => Ok(()),
     }
-}
-
-/// Two modules at one address could be separated only by disconnecting one of them.
-fn refuse_taken_address(module: &Module, item: &Item, value: &Value) -> Outcome {
-    let Some(address) = moves_to(item, value).filter(|address| *address != module.target.address) else {
-        return Ok(());
-    };
-    // A NetID is the unit number within one connection: nobody else can have it.
-    if item.id == "net_id" {
-        return Ok(());
-    }
-    let place = Target { address, ..module.target };
-    let found = match module.session.identify(place)? {
-        Err(Failure::Silent) => return Ok(()),
-        Err(failure @ Failure::LineLost(_)) => return Err(Stop::failed(failure.to_string())),
-        Err(failure) => failure.to_string(),
-        Ok(identified) if identified.definition.is_none() => identified.said,
-        Ok(identified) => identified.name,
-    };
-    Err(Stop::failed(format!(
-        "nothing was written: at {place} there is something already ({found}) – choose a free address"
-    )))
 }
 
 /// Writes one value and reports. False if the module does not hold it now.

@@ -3,7 +3,7 @@
 use super::definition::{
     Bits, Choice, Command, CommandAccess, Definition, Encoding, Field, FillFrom, Item, Kind, ModbusAccess, ModbusPlace,
 };
-use super::notation::Fields;
+use super::notation::{ANSWERED_FROM, Fields, INIT_ADDRESS};
 use super::value::{Fixed, Value, ValueError};
 use crate::protocol::{AnswerFrom, Failure, Protocol, Query, Reply, hex};
 
@@ -14,10 +14,15 @@ pub fn read_query(command: &Command, address: u8) -> Option<Query> {
         Some(function) => Query::Custom { function, data: hex::parse(&text).ok()?, write: false },
         None => {
             let from_address = command.answers.iter().all(|answer| answer.has_address());
-            let from = if from_address { AnswerFrom::Addresses(vec![address]) } else { AnswerFrom::Anyone };
+            let from = if from_address { answer_from(address) } else { AnswerFrom::Anyone };
             Query::Dcon { text, from, write: false }
         }
     })
+}
+
+/// Who may answer a question to `address`. In INIT mode modules may answer at 00 with their stored address.
+pub fn answer_from(address: u8) -> AnswerFrom {
+    if address == INIT_ADDRESS { AnswerFrom::Anyone } else { AnswerFrom::Addresses(vec![address]) }
 }
 
 /// The question that reads `place`.
@@ -47,7 +52,7 @@ pub fn read_fields(command: &Command, address: u8, reply: &Reply) -> Result<Fiel
     let mut fields = found.ok_or(Failure::UnknownShape { answer: text })?;
     for (name, from) in &command.filled_from {
         let value = match from {
-            FillFrom::Address => Some(format!("{address:02X}")),
+            FillFrom::Address => stored_address(address, &fields),
             FillFrom::Text(constant) => Some(constant.clone()),
             FillFrom::Field(other) => fields.get(other).cloned(),
         };
@@ -56,6 +61,15 @@ pub fn read_fields(command: &Command, address: u8, reply: &Reply) -> Result<Fiel
         }
     }
     Ok(fields)
+}
+
+/// The address that a module keeps: the one it was asked at, except in INIT mode, where it is asked at 00 and only its
+/// answer can tell.
+fn stored_address(asked: u8, fields: &Fields) -> Option<String> {
+    match fields.get(ANSWERED_FROM) {
+        Some(answered) if asked == INIT_ADDRESS => (answered != "00").then(|| answered.clone()),
+        _ => Some(format!("{asked:02X}")),
+    }
 }
 
 /// The numbers of DCON data: `+030.00+086.00` → `+030.00`, `+086.00`. Empty if it is anything else.
@@ -83,7 +97,8 @@ pub fn value_in_fields(
     command: &Command,
     fields: &Fields,
 ) -> Result<Value, Failure> {
-    let text = fields.get(&access.field).map(String::as_str).unwrap_or_default();
+    let text = fields.get(&access.field).map(String::as_str);
+    let text = text.ok_or_else(|| Failure::NotOffered(format!("the module did not send {}", item.id)))?;
     let strange = || Failure::UnknownShape { answer: text.to_owned() };
     match command.fields.get(&access.field) {
         Some(Field::Hex) if access.encoding != Encoding::Plain => {

@@ -118,9 +118,12 @@ fn resolve(source: &Source, all: &[Source]) -> Result<Definition, Problem> {
     if base.file.based_on.is_some() {
         return Err(wrong_base(format!("\"{base_id}\" is itself based on another definition")));
     }
+    check::check(&base.file)
+        .map_err(|problem| wrong_base(format!("it is based on \"{base_id}\", which is faulty: {}", problem.reason)))?;
+    // What is wrong now lies in an entry of this file, or in how it fits the base.
     check::check(&check::complete(&source.file, &base.file)).map_err(|problem| {
-        // The place may lie in the base's text; the entry's name in the reason says where to look.
-        Problem { at: problem.at.min(source.text.len()), reason: problem.reason }
+        let at = check::entry(&source.file, &problem.reason).unwrap_or(source.file.id.span().start);
+        Problem { at, ..problem }
     })
 }
 

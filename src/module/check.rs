@@ -27,6 +27,18 @@ fn in_entry<T>(id: &Spanned<String>, result: Result<T, String>) -> Checked<T> {
     result.map_err(|reason| Problem { at: id.span().start, reason: format!("{}: {reason}", id.get_ref()) })
 }
 
+/// Where the entry stands of which a problem's reason speaks; `None` if `file` has none of that id.
+pub fn entry(file: &file::File, reason: &str) -> Option<usize> {
+    let (id, _) = reason.split_once(": ")?;
+    let items = file.parameter.iter().chain(&file.reading).map(|item| &item.id);
+    let others = file.command.iter().map(|command| &command.id).chain(file.action.iter().map(|action| &action.id));
+    items
+        .chain(others)
+        .chain(file.optional.iter().map(|part| &part.id))
+        .find(|entry| entry.get_ref() == id)
+        .map(|entry| entry.span().start)
+}
+
 pub fn check(file: &file::File) -> Checked<Definition> {
     no_id_twice(file)?;
     let commands = file
@@ -237,6 +249,10 @@ fn command_access(place: &file::Place, commands: &[Command]) -> Result<CommandAc
     let (index, command) = find_command(&place.command, commands)?;
     if !command.fields.contains_key(&place.field) {
         return Err(format!("command \"{}\" has no field {}", place.command, place.field));
+    }
+    let answered = command.answers.iter().any(|answer| answer.field_names().any(|name| name == place.field));
+    if command.read.is_some() && !answered && !command.filled_from.contains_key(&place.field) {
+        return Err(format!("no `answer` of command \"{}\" has field {}", place.command, place.field));
     }
     Ok(CommandAccess {
         command: index,

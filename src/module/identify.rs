@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::access::raw_words;
+use super::access::{self, raw_words};
 use super::catalogue::Catalogue;
 use super::definition::Definition;
 use super::read::read_items;
 use super::{Ask, Value};
 use crate::protocol::modbus::MODULE_SETTINGS;
-use crate::protocol::{AnswerFrom, Failure, Protocol, Query, Reply};
+use crate::protocol::{Failure, Protocol, Query, Reply};
 
 /// 40481 to 40484 on the wire: firmware and name (both manuals, Modbus address mapping).
 const IDENTITY_REGISTERS: Query = Query::ReadHoldingRegisters { first: 480, count: 4 };
@@ -59,13 +59,18 @@ pub fn identify(
     Ok(found)
 }
 
+/// The question that opens an address: its module's name.
+pub(super) fn first_question(protocol: Protocol, address: u8) -> Query {
+    match protocol {
+        Protocol::Dcon => {
+            Query::Dcon { text: format!("${address:02X}M"), from: access::answer_from(address), write: false }
+        }
+        Protocol::ModbusRtu | Protocol::ModbusTcp => IDENTITY_REGISTERS,
+    }
+}
+
 fn dcon_identity(catalogue: &Catalogue, address: u8, ask: &mut dyn Ask) -> Result<Identified, Failure> {
-    let name_query = |command: char| Query::Dcon {
-        text: format!("${address:02X}{command}"),
-        from: AnswerFrom::Addresses(vec![address]),
-        write: false,
-    };
-    let answer = match ask.ask(&name_query('M')) {
+    let answer = match ask.ask(&first_question(Protocol::Dcon, address)) {
         Ok(Reply::Text(answer)) => answer,
         Ok(other) => return Ok(Identified::unknown(String::new(), format!("{other:?}"))),
         Err(failure) if failure.shows_presence() => {

@@ -21,7 +21,7 @@ pub use definition::{
 };
 pub use identify::{Identified, identify};
 pub use notation::Template;
-pub use read::{ReadPlan, present_options, read_items};
+pub use read::{ReadPlan, ReadRun, present_options, read_items};
 pub use value::{Fixed, Value, ValueError};
 pub use write::{WriteError, check_write, moves_to, run_action, write_item};
 

@@ -6,6 +6,11 @@
 
 use std::collections::BTreeMap;
 
+/// Where modules may be asked in INIT mode; they answer with the address that they keep.
+pub const INIT_ADDRESS: u8 = 0;
+/// The name under which the sender of an answer stands among its fields.
+pub const ANSWERED_FROM: &str = "AA";
+
 /// The text of each field of a message, by field name.
 pub type Fields = BTreeMap<String, String>;
 
@@ -102,7 +107,15 @@ impl Template {
         for part in &self.parts {
             match part {
                 Part::Literal(literal) => rest = rest.strip_prefix(literal.as_str())?,
-                Part::Address => rest = rest.strip_prefix(format!("{address:02X}").as_str())?,
+                Part::Address => {
+                    let (sender, after) = rest.split_at_checked(2)?;
+                    let known = u8::from_str_radix(sender, 16).ok()?;
+                    if known != address && address != INIT_ADDRESS {
+                        return None;
+                    }
+                    fields.insert(ANSWERED_FROM.to_owned(), sender.to_owned());
+                    rest = after;
+                }
                 Part::Field { name, width } => {
                     let (value, after) = rest.split_at_checked(width.unwrap_or(rest.len()))?;
                     if value.is_empty() {
@@ -187,7 +200,8 @@ mod tests {
     fn answers_are_told_apart_by_their_length() {
         let short = template("!AATTCCFF", &["N", "T", "C", "F"]);
         let long = template("!AANNTTCCFF", &["N", "T", "C", "F"]);
-        assert_eq!(short.read(1, "!01400600"), Some(fields(&[("T", "40"), ("C", "06"), ("F", "00")])));
+        let read = fields(&[("AA", "01"), ("T", "40"), ("C", "06"), ("F", "00")]);
+        assert_eq!(short.read(1, "!01400600"), Some(read));
         assert_eq!(long.read(1, "!01400600"), None);
         assert_eq!(long.read(1, "!0101400600").unwrap().get("N").map(String::as_str), Some("01"));
     }
@@ -195,6 +209,13 @@ mod tests {
     #[test]
     fn an_answer_from_another_address_is_not_read() {
         assert_eq!(template("!AANN", &["N"]).read(2, "!0100"), None);
+    }
+
+    #[test]
+    fn at_00_a_module_in_init_mode_may_answer_with_the_address_it_keeps() {
+        let name = template("!AA(Data)", &[]);
+        assert_eq!(name.read(0, "!2APIR234"), Some(fields(&[("AA", "2A"), ("Data", "PIR234")])));
+        assert_eq!(name.read(1, "!2APIR234"), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Reading many items in as few questions as the protocol permits.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use super::access::{self, numbers_of};
@@ -12,12 +12,19 @@ use crate::protocol::{Failure, Protocol, Query, Reply};
 /// Registers or coils asked for in one question at most; well below every limit of the modules.
 const MOST_TOGETHER: u16 = 64;
 
+/// Runs after which a refused item is asked for again: the module may have been changed meanwhile.
+const ASK_AGAIN_AFTER: u16 = 60;
+/// Runs in which a question stayed without answer while others were answered, before another way is tried.
+const SILENCES_ALLOWED: u8 = 2;
+
 /// A set of items of one module, and what was learned about how to read them.
 #[derive(Debug, Clone)]
 pub struct ReadPlan {
     definition: Arc<Definition>,
     protocol: Protocol,
     entries: Vec<Entry>,
+    /// Which question a run begins with: another one after a run in which nothing was answered.
+    first: usize,
 }
 
 #[derive(Debug, Clone)]
@@ -28,16 +35,30 @@ struct Entry {
     access: usize,
     /// Asked for by itself, because a question that joined it with others was refused.
     alone: bool,
-    /// Refused in every way: not asked again.
-    given_up: Option<Failure>,
+    /// Runs in a row in which it stayed without answer.
+    silences: u8,
+    /// Refused in every way, and for how many runs it is not asked again.
+    given_up: Option<(Failure, u16)>,
 }
 
 /// One question and the entries that its answer serves.
+#[derive(Debug, Clone)]
 struct Question {
     query: Query,
     /// First 0-based number of a range of coils or registers.
     start: u16,
     entries: Vec<usize>,
+}
+
+/// A plan being carried out, one question at a time.
+#[derive(Debug, Clone)]
+pub struct ReadRun {
+    results: Vec<Option<Result<Value, Failure>>>,
+    questions: VecDeque<Question>,
+    /// Entries to be asked in another way when the questions are through.
+    again: Vec<usize>,
+    answered: bool,
+    silent_in_a_row: u8,
 }
 
 impl ReadPlan {
@@ -47,43 +68,77 @@ impl ReadPlan {
         let entries = ids
             .into_iter()
             .filter_map(position)
-            .map(|item| Entry { item, access: 0, alone: false, given_up: None })
+            .map(|item| Entry { item, access: 0, alone: false, silences: 0, given_up: None })
             .collect();
-        Self { definition: definition.clone(), protocol, entries }
+        Self { definition: definition.clone(), protocol, entries, first: 0 }
     }
 
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// How many questions one run asks if all goes well.
-    pub fn questions(&self, address: u8) -> usize {
-        self.compile(address, &self.all_indices()).len()
+    /// Asks everything once and tells of each item its value or why there is none.
+    pub fn run(&mut self, address: u8, ask: &mut dyn Ask) -> Vec<(String, Result<Value, Failure>)> {
+        let mut run = self.begin(address);
+        while self.step(&mut run, address, ask) {}
+        self.finish(run)
     }
 
-    /// Asks everything once and tells of each item its value or why there is none.
-    ///
-    /// A silent module ends the run: the remaining items share its failure, so that it costs one waiting time only.
-    pub fn run(&mut self, address: u8, ask: &mut dyn Ask) -> Vec<(String, Result<Value, Failure>)> {
-        let mut results: Vec<Option<Result<Value, Failure>>> =
-            self.entries.iter().map(|entry| entry.given_up.clone().map(Err)).collect();
-        let mut open: Vec<usize> = self.all_indices();
-        open.retain(|index| self.entries.get(*index).is_some_and(|entry| entry.given_up.is_none()));
-        while !open.is_empty() {
-            let mut again = Vec::new();
-            for question in self.compile(address, &open) {
-                let reply = ask.ask(&question.query);
-                if let Err(failure) = &reply
-                    && !failure.shows_presence()
-                {
-                    fill_open(&mut results, failure);
-                    return self.name(results);
-                }
-                self.take_answer(address, &question, &reply, &mut results, &mut again);
-            }
-            open = again;
+    /// Starts to ask everything once.
+    pub fn begin(&mut self, address: u8) -> ReadRun {
+        for entry in &mut self.entries {
+            entry.given_up = entry.given_up.take().and_then(|(why, runs)| Some((why, runs.checked_sub(1)?)));
         }
-        self.name(results)
+        let given_up = |entry: &Entry| entry.given_up.as_ref().map(|(failure, _)| Err(failure.clone()));
+        let results: Vec<_> = self.entries.iter().map(given_up).collect();
+        let open: Vec<usize> =
+            (0..self.entries.len()).filter(|index| matches!(results.get(*index), Some(None))).collect();
+        let mut questions = VecDeque::from(self.compile(address, &open));
+        let first = self.first.checked_rem(questions.len()).unwrap_or(0);
+        questions.rotate_left(first);
+        ReadRun { results, questions, again: Vec::new(), answered: false, silent_in_a_row: 0 }
+    }
+
+    /// Asks the next question. False when there is none left.
+    ///
+    /// A module that answers nothing costs one waiting time only: the items that were not asked share the failure. One
+    /// that stays silent to a single question is asked the others.
+    pub fn step(&mut self, run: &mut ReadRun, address: u8, ask: &mut dyn Ask) -> bool {
+        let Some(question) = run.questions.pop_front() else { return false };
+        let reply = ask.ask(&question.query);
+        match &reply {
+            Err(failure) if !failure.shows_presence() => {
+                run.silent_in_a_row = run.silent_in_a_row.saturating_add(1);
+                let gone = matches!(failure, Failure::LineLost(_)) || !run.answered || run.silent_in_a_row > 1;
+                if gone {
+                    self.first = if run.answered { self.first } else { self.first.wrapping_add(1) };
+                    fill_open(&mut run.results, failure);
+                    run.questions.clear();
+                    return false;
+                }
+                self.take_silence(&question, failure, run);
+            }
+            reply => {
+                run.answered = true;
+                run.silent_in_a_row = 0;
+                self.take_answer(address, &question, reply, run);
+            }
+        }
+        if run.questions.is_empty() {
+            let again = std::mem::take(&mut run.again);
+            run.questions = self.compile(address, &again).into();
+        }
+        !run.questions.is_empty()
+    }
+
+    /// What the run brought, by item.
+    pub fn finish(&self, run: ReadRun) -> Vec<(String, Result<Value, Failure>)> {
+        self.name(run.results)
+    }
+
+    /// Whether a run would ask nothing, because everything was refused.
+    pub fn is_idle(&self) -> bool {
+        self.entries.iter().all(|entry| entry.given_up.is_some())
     }
 
     /// What a run tells when there is no line to ask on.
@@ -91,34 +146,38 @@ impl ReadPlan {
         self.name(self.entries.iter().map(|_| Some(Err(failure.clone()))).collect())
     }
 
-    fn all_indices(&self) -> Vec<usize> {
-        (0..self.entries.len()).collect()
+    /// The module answers, but not this: perhaps it does not know the command, perhaps the answer was lost.
+    fn take_silence(&mut self, question: &Question, failure: &Failure, run: &mut ReadRun) {
+        for &index in &question.entries {
+            let silences = self.entries.get_mut(index).map_or(0, |entry| {
+                entry.silences = entry.silences.saturating_add(1);
+                entry.silences
+            });
+            if silences >= SILENCES_ALLOWED && self.has_another_way(index, false) {
+                run.again.push(index);
+            } else {
+                set(&mut run.results, index, Err(failure.clone()));
+            }
+        }
     }
 
-    fn take_answer(
-        &mut self,
-        address: u8,
-        question: &Question,
-        reply: &Result<Reply, Failure>,
-        results: &mut [Option<Result<Value, Failure>>],
-        again: &mut Vec<usize>,
-    ) {
+    fn take_answer(&mut self, address: u8, question: &Question, reply: &Result<Reply, Failure>, run: &mut ReadRun) {
+        let joined = question.entries.len() > 1 && reply.is_err();
         for &index in &question.entries {
             let outcome = match reply {
                 Ok(reply) => self.decode(address, index, question.start, reply),
                 Err(failure) => Err(failure.clone()),
             };
-            let joined = question.entries.len() > 1 && reply.is_err();
+            if let Some(entry) = self.entries.get_mut(index) {
+                entry.silences = 0;
+            }
             match outcome {
-                Ok(value) => set(results, index, Ok(value)),
+                Err(_) if self.has_another_way(index, joined) => run.again.push(index),
                 Err(failure) => {
-                    if self.has_another_way(index, joined) {
-                        again.push(index);
-                    } else {
-                        self.give_up(index, &failure);
-                        set(results, index, Err(failure));
-                    }
+                    self.give_up(index, &failure);
+                    set(&mut run.results, index, Err(failure));
                 }
+                value => set(&mut run.results, index, value),
             }
         }
     }
@@ -139,8 +198,9 @@ impl ReadPlan {
     fn give_up(&mut self, index: usize, failure: &Failure) {
         if let Some(entry) = self.entries.get_mut(index) {
             entry.access = 0;
-            if matches!(failure, Failure::Refused { .. } | Failure::Exception { .. } | Failure::NotOffered(_)) {
-                entry.given_up = Some(failure.clone());
+            let known_refusal = matches!(failure, Failure::Refused { .. } | Failure::Exception { code: 1..=3 });
+            if known_refusal || matches!(failure, Failure::NotOffered(_)) {
+                entry.given_up = Some((failure.clone(), ASK_AGAIN_AFTER));
             }
         }
     }
@@ -267,13 +327,18 @@ pub fn read_items<'a>(
     ReadPlan::new(definition, protocol, ids).run(address, ask)
 }
 
-/// Which optional parts the module has: those whose probe is answered with a value.
-pub fn present_options(definition: &Definition, protocol: Protocol, ask: &mut dyn Ask) -> Vec<String> {
-    if !protocol.is_modbus() {
-        return Vec::new();
+/// Which optional parts the module has: those whose probe is answered with a value. An error means that a probe was
+/// neither answered nor refused, so that nothing is known.
+pub fn present_options(definition: &Definition, protocol: Protocol, ask: &mut dyn Ask) -> Result<Vec<String>, Failure> {
+    let mut present = Vec::new();
+    for part in definition.optional.iter().filter(|_| protocol.is_modbus()) {
+        match ask.ask(&access::place_query(part.probe)) {
+            Ok(_) => present.push(part.id.clone()),
+            Err(failure) if failure.is_refusal() => {}
+            Err(failure) => return Err(failure),
+        }
     }
-    let parts = definition.optional.iter();
-    parts.filter(|part| ask.ask(&access::place_query(part.probe)).is_ok()).map(|part| part.id.clone()).collect()
+    Ok(present)
 }
 
 /// Ids of the items that a look at the whole module reads: all that the protocol offers and the module has,

@@ -7,7 +7,7 @@ use super::definition::{Access, Action, Applies, CommandAccess, Definition, Item
 use super::notation::{Fields, Template};
 use super::read::read_items;
 use super::value::{Fixed, Value, ValueError};
-use super::{Ask, Field};
+use super::{Ask, Field, identify};
 use crate::protocol::{AnswerFrom, Failure, Protocol, Query, Reply, hex};
 
 /// Why a value does not stand in the module, or why it is not known whether it does.
@@ -17,6 +17,12 @@ pub enum WriteError {
     Value(#[from] ValueError),
     #[error("{id} is not offered over {protocol}")]
     NotOffered { id: String, protocol: Protocol },
+    #[error("{id} was not written: the module here is {found}, not {expected} – scan the line again")]
+    OtherModule { id: String, expected: String, found: String },
+    #[error(
+        "{id} was not written: another module answers at address {address} already – give that one another address first"
+    )]
+    AddressTaken { id: String, address: u8 },
     #[error("{id} was not written: its present state could not be read first: {failure}")]
     ReadFirst { id: String, failure: Failure },
     #[error("{id} was refused: {failure}{hint}")]
@@ -33,18 +39,24 @@ impl WriteError {
     /// What the line or the module did, where that is the reason.
     pub fn failure(&self) -> Option<&Failure> {
         match self {
-            Self::ReadFirst { failure, .. }
-            | Self::Refused { failure, .. }
-            | Self::Unknown { failure, .. }
-            | Self::NotVerified { failure, .. } => Some(failure),
-            Self::Value(_) | Self::NotOffered { .. } | Self::Differs { .. } => None,
+            Self::ReadFirst { failure, .. } | Self::Refused { failure, .. } | Self::NotVerified { failure, .. } => {
+                Some(failure)
+            }
+            // What was read back tells more than the failure before it.
+            Self::Unknown { .. }
+            | Self::Value(_)
+            | Self::NotOffered { .. }
+            | Self::Differs { .. }
+            | Self::OtherModule { .. }
+            | Self::AddressTaken { .. } => None,
         }
     }
 }
 
 /// Writes `value` and reads it back; the result is what the module then says.
 ///
-/// A multi-field command is read first and sent back with one field changed.
+/// A multi-field command is read first and sent back with one field changed. Before a module is given another address,
+/// that address is asked whether somebody answers there.
 pub fn write_item(
     definition: &Arc<Definition>,
     protocol: Protocol,
@@ -55,6 +67,10 @@ pub fn write_item(
 ) -> Result<Value, WriteError> {
     if item.read_only {
         return Err(ValueError::ReadOnly { id: item.id.clone() }.into());
+    }
+    // A NetID counts within one connection: nobody else can have it.
+    if let Some(new) = moves_to(item, value).filter(|new| *new != address && item.id == "address") {
+        no_one_at(new, address, protocol, item, ask)?;
     }
     let outcome = send(definition, protocol, address, item, value, ask)?;
     let moved = moves_to(item, value).filter(|_| outcome.is_ok());
@@ -82,6 +98,18 @@ pub fn write_item(
                 Err(WriteError::Unknown { id: item.id.clone(), failure, read_back })
             }
         },
+    }
+}
+
+/// Two modules at one address can be told apart only by taking one off the line.
+fn no_one_at(new: u8, present: u8, protocol: Protocol, item: &Item, ask: &mut dyn Ask) -> Result<(), WriteError> {
+    ask.follow(new);
+    let answer = ask.ask(&identify::first_question(protocol, new));
+    ask.follow(present);
+    match answer {
+        Err(Failure::Silent) => Ok(()),
+        Err(failure @ Failure::LineLost(_)) => Err(WriteError::ReadFirst { id: item.id.clone(), failure }),
+        _ => Err(WriteError::AddressTaken { id: item.id.clone(), address: new }),
     }
 }
 

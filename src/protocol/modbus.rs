@@ -100,9 +100,14 @@ pub fn check_answer(request: &[u8], answer: &[u8]) -> Result<(), AnswerError> {
     if at(body, 1) & !EXCEPTION != at(request, 1) {
         return Err(AnswerError::Function { found: at(body, 1), expected: at(request, 1) });
     }
+    let reads = matches!(at(body, 1), 0x01..=0x04);
+    let announced = usize::from(at(body, 2)).saturating_add(5);
     match answer_length(request, answer) {
         AnswerLength::Bytes(expected) if expected != answer.len() => {
             Err(AnswerError::Length { found: answer.len(), expected })
+        }
+        AnswerLength::Bytes(expected) if reads && announced != expected => {
+            Err(AnswerError::Length { found: announced, expected })
         }
         _ => Ok(()),
     }

@@ -128,6 +128,10 @@ impl Line for SimLine {
         Ok(())
     }
 
+    fn look(&mut self) -> Result<(), LineLost> {
+        self.check_plug()
+    }
+
     fn now(&self) -> Instant {
         self.sim.world().now()
     }

@@ -1,7 +1,5 @@
 //! The top row: which line, at which speed, and the scan.
 
-use std::time::Duration;
-
 use eframe::egui::{self, Align, RichText, TextEdit, Ui};
 
 use super::app::Pass;
@@ -74,11 +72,6 @@ pub fn plan_of(ready: Ready, settings: &Settings) -> ScanPlan {
         },
         Ready::Full => ScanPlan::full(),
     }
-}
-
-/// How long a scan takes if nothing answers.
-pub fn duration_of(plan: &ScanPlan) -> Duration {
-    plan.targets().iter().map(|target| plan.cost(target)).sum()
 }
 
 pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
@@ -246,7 +239,7 @@ fn scan_menu(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
         [(Ready::Quick, "Quick scan", quick_words(pass.settings)), (Ready::Full, "Full scan", full_words.to_owned())];
     for (ready, title, explanation) in kinds {
         let plan = plan_of(ready, pass.settings);
-        let title_with_time = format!("{title} – at most {}", words::span(duration_of(&plan)));
+        let title_with_time = format!("{title} – at most {}", words::span(plan.duration()));
         let action = pass.connect.scan(pass.bench, pass.settings, plan);
         let response = widgets::menu_entry(ui, action.is_ok(), &title_with_time, &explanation);
         widgets::describe(&response, egui::Role::MenuItem, title);

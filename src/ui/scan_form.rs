@@ -9,7 +9,7 @@ use super::connect;
 use super::settings::{LineChoice, Settings};
 use super::{theme, widgets, words};
 use crate::bus::ScanPlan;
-use crate::protocol::{BaudRate, DataFormat, Protocol};
+use crate::protocol::{BaudRate, DataFormat, Protocol, parse_addresses};
 
 /// Listening window, in milliseconds.
 const WINDOWS: std::ops::RangeInclusive<u64> = 5..=2_000;
@@ -65,35 +65,9 @@ impl ScanForm {
         {
             return (*places, *duration);
         }
-        let (places, duration) = (plan.targets().len(), connect::duration_of(plan));
+        let (places, duration) = (plan.targets().len(), plan.duration());
         self.measured = Some((plan.clone(), places, duration));
         (places, duration)
-    }
-}
-
-/// Reads `1,160-191`; numbers are decimal, `A0h` or `0xA0`.
-fn parse_addresses(text: &str) -> Result<Vec<u8>, String> {
-    let mut addresses = Vec::new();
-    for part in text.split([',', ' ', ';']).map(str::trim).filter(|part| !part.is_empty()) {
-        let wrong = || format!("\"{part}\" is not an address or range – write 1,160-191");
-        let (first, last) = part.split_once(['-', '–']).unwrap_or((part, part));
-        let (first, last) = (parse_address(first).ok_or_else(wrong)?, parse_address(last).ok_or_else(wrong)?);
-        if first > last {
-            return Err(wrong());
-        }
-        addresses.extend(first..=last);
-    }
-    addresses.sort_unstable();
-    addresses.dedup();
-    if addresses.is_empty() { Err("Write at least one address, such as 1,160-191".to_owned()) } else { Ok(addresses) }
-}
-
-fn parse_address(text: &str) -> Option<u8> {
-    let text = text.trim();
-    let hexadecimal = text.strip_prefix("0x").or_else(|| text.strip_suffix(['h', 'H']));
-    match hexadecimal {
-        Some(digits) => u8::from_str_radix(digits, 16).ok(),
-        None => text.parse().ok(),
     }
 }
 
@@ -197,19 +171,6 @@ fn conclusion(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm, over_tcp: b
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn addresses_are_numbers_and_ranges_in_any_order() {
-        assert_eq!(parse_addresses("160-162, 1,A0h 0x02"), Ok(vec![1, 2, 160, 161, 162]));
-    }
-
-    #[test]
-    fn a_wrong_address_is_named() {
-        for wrong in ["256", "9-3", "x", "1,,q"] {
-            assert!(parse_addresses(wrong).unwrap_err().contains("1,160-191"), "{wrong}");
-        }
-        assert!(parse_addresses(" ").is_err());
-    }
 
     #[test]
     fn a_form_without_a_speed_says_what_is_missing() {

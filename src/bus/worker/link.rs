@@ -1,0 +1,175 @@
+//! The line itself: opening, losing, taking up again, and what is counted on it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use super::super::dialogue::{Dialogue, Memory};
+use super::super::message::{BusEvent, RequestId, Statistics};
+use super::super::tap::Tap;
+use super::super::target::LineAddress;
+use super::{LOOK_EVERY, Worker};
+use crate::protocol::{Failure, LineSettings};
+
+/// How often a lost port is tried again; an unreachable host takes seconds to fail, so it is tried more rarely.
+const REOPEN_PORT_EVERY: Duration = Duration::from_secs(1);
+const REOPEN_HOST_EVERY: Duration = Duration::from_secs(5);
+const STATISTICS_EVERY: Duration = Duration::from_millis(500);
+
+/// A line that is open, or was and is to be taken up again.
+pub struct OpenLine {
+    address: LineAddress,
+    settings: LineSettings,
+    /// `None` while the port is gone.
+    dialogue: Option<Dialogue>,
+    /// What a lost line was known for, to be carried over when it returns.
+    memory: Option<Memory>,
+    look_at: Instant,
+    frames_missed: Arc<AtomicU64>,
+    told: Told,
+}
+
+/// What was told last of the line's use.
+struct Told {
+    at: Instant,
+    transactions: u64,
+    rate: f32,
+}
+
+impl OpenLine {
+    pub fn is_there(&self) -> bool {
+        self.dialogue.is_some()
+    }
+
+    /// When something has to be done for the line itself.
+    pub fn next_look(&self) -> Instant {
+        if self.statistics_due() { self.look_at.min(self.told.at + STATISTICS_EVERY) } else { self.look_at }
+    }
+
+    /// The line for the next step of a scan, or why there is none.
+    pub fn dialogue_for_scan(&mut self) -> Result<&mut Dialogue, String> {
+        let name = &self.address;
+        self.dialogue.as_mut().ok_or_else(|| format!("{name} is not there"))
+    }
+
+    fn retry_after(&self) -> Duration {
+        if self.address.is_tcp() { REOPEN_HOST_EVERY } else { REOPEN_PORT_EVERY }
+    }
+
+    /// Whether there are exchanges that were not told yet, or a rate that has fallen to nothing.
+    fn statistics_due(&self) -> bool {
+        let transactions = self.dialogue.as_ref().map(|dialogue| dialogue.counts().transactions);
+        transactions.is_some_and(|count| count != self.told.transactions || self.told.rate > 0.0)
+    }
+}
+
+impl Worker {
+    pub(super) fn open(&mut self, id: RequestId, address: LineAddress, settings: LineSettings) {
+        self.forget_line();
+        let line = address.to_string();
+        let frames_missed = Arc::<AtomicU64>::default();
+        match Dialogue::open(&address, settings, self.tap(&frames_missed)) {
+            Ok(dialogue) => {
+                let now = Instant::now();
+                let told = Told { at: now, transactions: 0, rate: 0.0 };
+                let (dialogue, look_at) = (Some(dialogue), now + LOOK_EVERY);
+                self.line = Some(OpenLine { address, settings, dialogue, memory: None, look_at, frames_missed, told });
+                self.tell(BusEvent::Opened { id, line });
+            }
+            Err(problem) => self.tell(BusEvent::OpenFailed { id, line, problem }),
+        }
+    }
+
+    pub(super) fn close(&mut self, id: RequestId) {
+        self.forget_line();
+        self.tell(BusEvent::Closed { id });
+    }
+
+    fn forget_line(&mut self) {
+        self.end_scan(true);
+        self.reading = None;
+        self.line = None;
+        self.watches.clear();
+        self.options.clear();
+        self.identified.clear();
+    }
+
+    /// Frames are told as they come; when nobody takes them they are counted instead of holding up the line.
+    fn tap(&self, missed: &Arc<AtomicU64>) -> Tap {
+        let (events, missed) = (self.events.clone(), missed.clone());
+        Box::new(move |frame| {
+            if events.try_send(BusEvent::Traffic(frame)).is_err() {
+                missed.fetch_add(1, Ordering::Relaxed);
+            }
+        })
+    }
+
+    pub(super) fn dialogue(&mut self) -> Result<&mut Dialogue, Failure> {
+        let line = self.line.as_mut().ok_or_else(|| Failure::LineLost("no line is open".to_owned()))?;
+        let name = &line.address;
+        line.dialogue.as_mut().ok_or_else(|| Failure::LineLost(format!("{name} is not there")))
+    }
+
+    pub(super) fn timestamp(&mut self) -> jiff::Timestamp {
+        self.dialogue().map(|dialogue| dialogue.timestamp()).unwrap_or_else(|_| jiff::Timestamp::now())
+    }
+
+    /// Gives the port up if the failure says that it is gone, and plans to take it up again.
+    pub(super) fn note_loss(&mut self, failure: Option<Failure>) {
+        let Some(Failure::LineLost(reason)) = failure else { return };
+        let Some(line) = self.line.as_mut() else { return };
+        let Some(dialogue) = line.dialogue.take() else { return };
+        line.memory = Some(dialogue.into_memory());
+        line.look_at = Instant::now() + line.retry_after();
+        // Who comes back behind the adapter may be others.
+        self.identified.clear();
+        self.tell(BusEvent::LineLost { reason });
+    }
+
+    /// Notices a port that vanished while nobody used it.
+    pub(super) fn look_at_line(&mut self) {
+        let Some(line) = self.line.as_mut() else { return };
+        let Some(dialogue) = line.dialogue.as_mut().filter(|_| line.look_at <= Instant::now()) else { return };
+        line.look_at = Instant::now() + LOOK_EVERY;
+        let lost = dialogue.look().err();
+        self.note_loss(lost);
+    }
+
+    pub(super) fn reopen(&mut self) {
+        let Some(line) = self.line.as_ref() else { return };
+        if line.dialogue.is_some() || line.look_at > Instant::now() {
+            return;
+        }
+        let tap = self.tap(&line.frames_missed);
+        let Some(line) = self.line.as_mut() else { return };
+        match Dialogue::open(&line.address, line.settings, tap) {
+            Ok(mut dialogue) => {
+                if let Some(memory) = line.memory.take() {
+                    dialogue.remember(memory);
+                }
+                line.dialogue = Some(dialogue);
+                line.look_at = Instant::now() + LOOK_EVERY;
+                self.tell(BusEvent::LineRestored);
+            }
+            Err(problem) => {
+                log::debug!("{problem}");
+                line.look_at = Instant::now() + line.retry_after();
+            }
+        }
+    }
+
+    pub(super) fn tell_statistics(&mut self) {
+        let Some(line) = self.line.as_mut() else { return };
+        let elapsed = line.told.at.elapsed();
+        if elapsed < STATISTICS_EVERY || !line.statistics_due() {
+            return;
+        }
+        let Some(dialogue) = &line.dialogue else { return };
+        let counts = dialogue.counts();
+        let since = counts.transactions.saturating_sub(line.told.transactions);
+        let rate = since as f32 / elapsed.as_secs_f32();
+        line.told = Told { at: Instant::now(), transactions: counts.transactions, rate };
+        let frames_missed = line.frames_missed.load(Ordering::Relaxed);
+        self.tell(BusEvent::Statistics(Statistics { transactions_per_second: rate, frames_missed, ..counts }));
+    }
+}

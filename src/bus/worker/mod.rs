@@ -1,0 +1,142 @@
+//! The bus thread: takes commands, decides what is asked next, and tells what came of it.
+//!
+//! Order of urgency: writes, then reads and other single requests, then polls, then the scan, which gets its turn after
+//! each poll so that neither starves the other. Between any two questions of a read or poll, commands are looked at
+//! again, so that a write waits for one exchange at most.
+
+mod link;
+mod queue;
+mod requests;
+mod scanning;
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError};
+use std::time::{Duration, Instant};
+
+use super::message::{BusCommand, BusEvent, RequestId};
+use super::scan::Scan;
+use super::target::Target;
+use super::watch::Watches;
+use crate::module::Catalogue;
+use link::OpenLine;
+use queue::Queue;
+use requests::Reading;
+
+/// How often an open line that nobody uses is looked at, so that a pulled adapter is noticed.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+
+pub struct Worker {
+    catalogue: Arc<Catalogue>,
+    commands: Receiver<BusCommand>,
+    events: SyncSender<BusEvent>,
+    wake: Box<dyn Fn() + Send>,
+    unannounced: bool,
+    ended: bool,
+    line: Option<OpenLine>,
+    queue: Queue,
+    /// The read or poll under way.
+    reading: Option<Reading>,
+    watches: Watches,
+    scan: Option<(RequestId, Scan)>,
+    /// Which optional parts a module has, asked once.
+    options: HashMap<Target, Vec<String>>,
+    /// Modules that said what they are since the line was opened, with their model; only these are written to.
+    identified: HashSet<(Target, String)>,
+}
+
+impl Worker {
+    pub fn new(
+        catalogue: Arc<Catalogue>,
+        commands: Receiver<BusCommand>,
+        events: SyncSender<BusEvent>,
+        wake: Box<dyn Fn() + Send>,
+    ) -> Self {
+        Self {
+            catalogue,
+            commands,
+            events,
+            wake,
+            unannounced: false,
+            ended: false,
+            line: None,
+            queue: Queue::default(),
+            reading: None,
+            watches: Watches::default(),
+            scan: None,
+            options: HashMap::new(),
+            identified: HashSet::new(),
+        }
+    }
+
+    pub fn run(mut self) {
+        while !self.ended {
+            self.take_commands();
+            self.reopen();
+            if let Some(command) = self.queue.urgent() {
+                self.carry_out(command);
+            } else if self.reading.is_some() {
+                self.read_on();
+            } else if let Some(command) = self.queue.next() {
+                self.carry_out(command);
+            } else if !self.poll() & !self.scan_step() {
+                self.announce();
+                self.wait();
+            }
+            self.tell_statistics();
+            self.announce();
+        }
+    }
+
+    /// Puts what has arrived into the queue, without waiting.
+    fn take_commands(&mut self) {
+        loop {
+            match self.commands.try_recv() {
+                Ok(command) => self.take(command),
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.ended = true;
+                    return;
+                }
+            }
+        }
+    }
+
+    fn take(&mut self, command: BusCommand) {
+        match command {
+            BusCommand::CancelScan => self.cancel_scans(),
+            BusCommand::Unwatch { target } => self.unwatch(&target),
+            BusCommand::PauseScan(paused) if !self.queue.has_scan() => self.pause_scan(paused),
+            other => self.queue.push(other),
+        }
+    }
+
+    /// Sleeps until a command comes or something is due.
+    fn wait(&mut self) {
+        let open = self.line.as_ref().is_some_and(OpenLine::is_there);
+        let poll = self.watches.next_due().filter(|_| open);
+        let line = self.line.as_ref().map(OpenLine::next_look);
+        let received = match [poll, line].into_iter().flatten().min() {
+            Some(until) => self.commands.recv_timeout(until.saturating_duration_since(Instant::now())),
+            None => self.commands.recv().map_err(|_| RecvTimeoutError::Disconnected),
+        };
+        match received {
+            Ok(command) => self.take(command),
+            Err(RecvTimeoutError::Timeout) => self.look_at_line(),
+            Err(RecvTimeoutError::Disconnected) => self.ended = true,
+        }
+    }
+
+    fn tell(&mut self, event: BusEvent) {
+        self.unannounced = true;
+        if self.events.send(event).is_err() {
+            self.ended = true;
+        }
+    }
+
+    fn announce(&mut self) {
+        if std::mem::take(&mut self.unannounced) {
+            (self.wake)();
+        }
+    }
+}
