@@ -187,7 +187,7 @@ fn get_prints_what_was_asked_for_in_that_order() {
 fn a_silent_address_ends_with_1_and_advice() {
     for command in ["show", "get pir", "set do0=on", "action clear_alarm", "watch --count 1"] {
         let said = bad(1, &demo(&format!("{command} --address 99")));
-        for word in ["address 99 (63h)", "160 to 191", "scan --quick", "--protocol dcon", "--baud-rate"] {
+        for word in ["address 99 (63h)", "160 to 191", "scan --full", "--protocol dcon", "--baud-rate"] {
             assert!(said.contains(word), "{command}, {word}: {said}");
         }
     }
@@ -287,7 +287,6 @@ fn wrong_usage_ends_with_2() {
         (&["show", "--tcp", "localhost", "--address", "1", "--checksum"], "--checksum"),
         (&["show", "--tcp", "localhost", "--address", "1", "--baud-rate", "9600"], "--baud-rate"),
         (&["show", "--tcp", "localhost:x", "--address", "1"], "is not a host"),
-        (&["scan", "--tcp", "localhost", "--full"], "--full"),
         (&["send", "--tcp", "localhost", "$01M"], "serial lines"),
         (&["action", "--tcp", "localhost:1", "--address", "1", "reboot"], "--yes"),
         (&["set", "--tcp", "localhost:1", "--address", "1", "checksum=on"], "not offered over Modbus TCP"),
@@ -510,11 +509,11 @@ mod on_a_serial_line {
     #[test]
     fn an_address_where_something_answers_is_refused() {
         let (_simulator, port) = Running::simulate(&["pir-234@1", "unknown@5"]);
-        let output = on(&port, "set --address 1 response_delay=3 address=5");
-        assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(1), &b""[..]));
+        let output = on(&port, "set --address 1 address=5 response_delay=3");
+        assert_eq!((output.status.code(), text(&output.stdout).as_str()), (Some(1), "response_delay: 0 -> 3 ms\n"));
         let said = text(&output.stderr);
-        assert!(said.contains("nothing was written") && said.contains("address 5 (05h)"), "{said}");
-        assert_eq!(good_on(&port, "get --address 1 response_delay --json"), "{\"response_delay\":0}\n");
+        assert!(said.contains("another module answers at address 5 already"), "{said}");
+        assert_eq!(good_on(&port, "get --address 1 response_delay --json"), "{\"response_delay\":3}\n");
     }
 
     #[test]

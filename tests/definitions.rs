@@ -117,9 +117,9 @@ fn ranges_and_choices_are_those_of_the_manuals() {
         ("response_delay", "0 to 30 ms"),
         ("pir_active_delay", "0 to 3000 ms"),
         ("pir_off_time_on_start", "0 to 30 s"),
-        ("wdt_timeout", "0.1 to 25.5 s"),
-        ("temperature_offset", "-100.00 to 100.00 °C"),
-        ("alarm_limit", "0.00 to 999.99 °C"),
+        ("wdt_timeout", "0.1 to 25.5 s, with at most one decimal"),
+        ("temperature_offset", "-100.00 to 100.00 °C, with at most 2 decimals"),
+        ("alarm_limit", "0.00 to 999.99 °C, with at most 2 decimals"),
         ("baud_rate", "1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200 bps"),
         ("pir_on_time", "2, 4, 6, 8, 16, 33, 49, 66, 131, 262, 393, 524, 1049, 2097, 3146, 4194 s"),
         ("tcp_idle_timeout", "0 or 5 to 65535 s"),
@@ -235,4 +235,11 @@ fn a_definition_is_checked_before_it_is_added_to_the_users_own() {
     std::fs::write(&path, SMALL).expect("a file");
     assert_eq!(add_file(&target, &path).expect("it is good"), "tm-1");
     assert!(Catalogue::with_folder(&target).0.get("tm-1").is_some());
+}
+
+#[test]
+fn a_model_that_says_the_same_of_itself_as_another_is_pointed_out() {
+    let (_, errors) = with_user_file("twin.toml", "id = \"twin\"\nlabel = \"Twin\"\nbased_on = \"pir-234\"\n");
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert!(errors[0].contains("twin.toml") && errors[0].contains("pir-234"), "{}", errors[0]);
 }

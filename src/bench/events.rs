@@ -90,7 +90,13 @@ impl Bench {
 
     fn line_is_lost(&mut self, reason: String) {
         let Some(line) = self.line.line().cloned() else { return };
-        let text = format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself");
+        let text = if line.is_tcp() {
+            format!(
+                "{line} is gone ({reason}) – check the cable and the module's power; it is connected again by itself"
+            )
+        } else {
+            format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself")
+        };
         self.notify(Severity::Error, text);
         self.line = LineState::Lost { line, reason };
     }

@@ -97,7 +97,7 @@ impl Bench {
             notices: VecDeque::new(),
         };
         for error in faulty_files {
-            bench.notify(Severity::Warning, format!("A module definition was left out – {error}"));
+            bench.notify(Severity::Warning, format!("Module definition {error}"));
         }
         bench
     }

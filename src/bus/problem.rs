@@ -14,6 +14,7 @@ pub enum ProblemKind {
     NoSuchPort { present: Vec<String> },
     PermissionDenied,
     Busy,
+    NotASerialPort,
     NotReached(String),
     Other(String),
 }
@@ -44,6 +45,9 @@ impl fmt::Display for LineProblem {
                 )
             }
             ProblemKind::Busy => write!(f, "{line} is in use by another program – close that program and try again"),
+            ProblemKind::NotASerialPort => {
+                write!(f, "{line} is not a serial port – `dcon-bench ports` lists those that are there")
+            }
             ProblemKind::NotReached(reason) => {
                 write!(f, "{line} could not be reached ({reason}) – check the cable, the address and the port number")
             }
@@ -63,6 +67,12 @@ impl LineProblem {
             serialport::ErrorKind::Io(Io::PermissionDenied) => ProblemKind::PermissionDenied,
             _ if text.contains("permission denied") || text.contains("access is denied") => {
                 ProblemKind::PermissionDenied
+            }
+            _ if text.contains("typewriter")
+                || text.contains("inappropriate ioctl")
+                || text.contains("directory") && !text.contains("no such") =>
+            {
+                ProblemKind::NotASerialPort
             }
             _ if text.contains("busy") || text.contains("exclusive") => ProblemKind::Busy,
             serialport::ErrorKind::NoDevice if text.contains("no such") || !exists(line) => {
@@ -105,6 +115,14 @@ mod tests {
     fn a_denied_port_names_the_group_and_the_command() {
         let text = told(ErrorKind::Io(std::io::ErrorKind::PermissionDenied), "Permission denied", &[]);
         assert!(text.contains("sudo usermod -a -G dialout $USER"), "{text}");
+    }
+
+    #[test]
+    fn what_is_no_serial_port_is_told_as_such() {
+        for description in ["Not a typewriter", "Is a directory", "Inappropriate ioctl for device"] {
+            let text = told(ErrorKind::Unknown, description, &[]);
+            assert!(text.contains("is not a serial port"), "{text}");
+        }
     }
 
     #[test]

@@ -143,7 +143,11 @@ fn words_of(error: &io::Error) -> String {
         Kind::ConnectionRefused => "nothing listens at this port".to_owned(),
         Kind::HostUnreachable | Kind::NetworkUnreachable => "there is no way to this address".to_owned(),
         Kind::TimedOut => "no answer in time".to_owned(),
-        _ => error.to_string(),
+        _ => match error.to_string() {
+            text if text.contains("lookup") => "the name is not known".to_owned(),
+            text if text.contains("remaining on stream") => "the module closed the connection".to_owned(),
+            text => text,
+        },
     }
 }
 

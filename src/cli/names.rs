@@ -83,7 +83,7 @@ pub fn some_definition(catalogue: &Catalogue, check: impl Fn(&Definition) -> Res
 fn unknown(what: &str, name: &str, known: &[String]) -> String {
     let nearest = nearest(name, known);
     let hint = if nearest.is_empty() { String::new() } else { format!(" – did you mean {}?", nearest.join(" or ")) };
-    format!("there is no {what} \"{name}\"{hint}\nThere are: {}", known.join(", "))
+    format!("there is no {what} \"{name}\" here{hint}\nThere are: {}", known.join(", "))
 }
 
 /// The known names that are most like `name`, at most three.

@@ -47,10 +47,10 @@ pub struct ScanArgs {
     #[arg(long, value_name = "off,on", value_parser = parse::checksums, conflicts_with = "tcp")]
     checksums: Option<List<bool>>,
     /// Ask where modules are out of the box (this is the default)
-    #[arg(long, conflicts_with_all = ["full", "tcp"])]
+    #[arg(long, conflicts_with = "full")]
     quick: bool,
     /// Ask everywhere
-    #[arg(long, conflicts_with = "tcp")]
+    #[arg(long)]
     full: bool,
     /// Stop at the first module found
     #[arg(long)]
@@ -68,7 +68,8 @@ pub struct ScanArgs {
 impl ScanArgs {
     fn plan(&self) -> ScanPlan {
         let base = match (self.line.is_tcp(), self.full) {
-            (true, _) => ScanPlan::tcp(),
+            (true, true) => ScanPlan { addresses: (1..=247).collect(), ..ScanPlan::tcp() },
+            (true, false) => ScanPlan::tcp(),
             (false, true) => ScanPlan::full(),
             (false, false) => ScanPlan::quick(),
         };

@@ -14,14 +14,14 @@ use crate::protocol::{Failure, LineSettings, Protocol};
 /// The bus thread tells of every frame; when it has been quiet for so long, it is stuck.
 const LONGEST_QUIET: Duration = Duration::from_secs(60);
 
-/// The definitions built in and the user's own. Faulty files are left out and reported.
+/// The definitions built in and the user's own. Faulty files are reported.
 pub fn catalogue() -> Arc<Catalogue> {
     let (catalogue, errors) = match folders::definitions() {
         Some(folder) => Catalogue::with_folder(&folder),
         None => Catalogue::built_in(),
     };
     for error in errors {
-        output::warning(&format!("{error} – this definition is left out"));
+        output::warning(&error.to_string());
     }
     Arc::new(catalogue)
 }
@@ -195,10 +195,16 @@ fn not_identified(target: &Target, failure: &Failure) -> String {
             )
         }
         Failure::Silent => {
+            let checksum = match (target.protocol, target.checksum) {
+                (Protocol::Dcon, true) => ", without --checksum",
+                (Protocol::Dcon, false) => ", with --checksum",
+                _ => "",
+            };
             let other = if target.protocol == Protocol::Dcon { "modbus_rtu" } else { "dcon" };
             format!(
-                "no module answers at {target} – check the address (with DIP 2 OFF it is 160 to 191: `dcon-bench scan \
-                 --quick` finds it), try the other protocol (--protocol {other}) and the other speeds (--baud-rate)"
+                "no module answers at {target} – check the address (with DIP 2 OFF it is 160 to 191), try the other \
+                 protocol (--protocol {other}), other speeds and formats (--baud-rate, --data-format){checksum}; \
+                 `dcon-bench scan` finds modules with factory settings, `scan --full` any"
             )
         }
         failure if failure.is_garbage() => {

@@ -15,7 +15,7 @@ const BUILT_IN: [(&str, &str); 3] = [
     ("pir-234.toml", include_str!("../../assets/modules/pir-234.toml")),
 ];
 
-/// A definition file that was left out.
+/// A definition file that was left out, or that does not do what it seems to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileError {
     pub file: String,
@@ -63,7 +63,9 @@ impl Catalogue {
             let name = path.display().to_string();
             match std::fs::read_to_string(&path) {
                 Ok(text) => texts.push((name, text)),
-                Err(error) => unreadable.push(FileError { file: name, line: None, reason: error.to_string() }),
+                Err(error) => {
+                    unreadable.push(FileError { file: name, line: None, reason: left_out(&error.to_string()) })
+                }
             }
         }
         let (catalogue, mut errors) = Self::from_texts(texts);
@@ -80,7 +82,7 @@ impl Catalogue {
                 Ok(file) => sources.push(Source { name, text, file }),
                 Err(error) => errors.push(FileError {
                     line: error.span().map(|span| line_of(&text, span.start)),
-                    reason: error.message().to_owned(),
+                    reason: left_out(error.message()),
                     file: name,
                 }),
             }
@@ -92,11 +94,34 @@ impl Catalogue {
                     catalogue.definitions.insert(definition.id.clone(), definition.into());
                 }
                 Err(Problem { at, reason }) => {
-                    errors.push(FileError { file: source.name.clone(), line: Some(line_of(&source.text, at)), reason })
+                    let line = Some(line_of(&source.text, at));
+                    errors.push(FileError { file: source.name.clone(), line, reason: left_out(&reason) });
                 }
             }
         }
+        errors.extend(catalogue.same_identity(&sources));
         (catalogue, errors)
+    }
+
+    /// Models that cannot be told apart by what they say of themselves; the first by id is taken.
+    fn same_identity(&self, sources: &[Source]) -> Vec<FileError> {
+        let all: Vec<_> = self.definitions.values().collect();
+        let mut clashes = Vec::new();
+        for (index, first) in all.iter().enumerate() {
+            for second in all.iter().skip(index.saturating_add(1)) {
+                let Some(source) = sources.iter().rev().find(|source| *source.file.id.get_ref() == second.id) else {
+                    continue;
+                };
+                if first.identity.names_overlap(&second.identity) {
+                    clashes.push(FileError {
+                        file: source.name.clone(),
+                        line: Some(line_of(&source.text, source.file.id.span().start)),
+                        reason: format!("a module with this identity is taken for a {}: it says the same", first.id),
+                    });
+                }
+            }
+        }
+        clashes
     }
 
     pub fn get(&self, id: &str) -> Option<std::sync::Arc<Definition>> {
@@ -125,6 +150,10 @@ fn resolve(source: &Source, all: &[Source]) -> Result<Definition, Problem> {
         let at = check::entry(&source.file, &problem.reason).unwrap_or(source.file.id.span().start);
         Problem { at, ..problem }
     })
+}
+
+fn left_out(reason: &str) -> String {
+    format!("{reason} – this definition is left out")
 }
 
 fn definition_files(folder: &Path) -> Vec<std::path::PathBuf> {

@@ -40,6 +40,9 @@ pub fn entry(file: &file::File, reason: &str) -> Option<usize> {
 }
 
 pub fn check(file: &file::File) -> Checked<Definition> {
+    if file.manual.is_empty() {
+        return in_entry(&file.id, Err("`manual` has to tell what the definition was written from".to_owned()));
+    }
     no_id_twice(file)?;
     let commands = file
         .command
@@ -358,7 +361,7 @@ pub fn complete(file: &file::File, base: &file::File) -> file::File {
     file::File {
         id: file.id.clone(),
         label: file.label.clone(),
-        manual: file.manual.clone(),
+        manual: if file.manual.is_empty() { base.manual.clone() } else { file.manual.clone() },
         based_on: None,
         identity: if own_identity { identity.clone() } else { base.identity.clone() },
         optional: overlay(&base.optional, &file.optional, |part| part.id.get_ref()),

@@ -60,6 +60,17 @@ pub struct Identity {
     pub bytes: Vec<NameBytes>,
 }
 
+impl Identity {
+    /// Whether some module could be either.
+    pub fn names_overlap(&self, other: &Self) -> bool {
+        let by_name =
+            self.dcon_names.iter().any(|name| other.dcon_names.iter().any(|known| known.eq_ignore_ascii_case(name)));
+        let same = |a: &NameWords, b: &NameWords| (a.low, a.high) == (b.low, b.high);
+        let by_words = self.words.iter().any(|words| other.words.iter().any(|known| same(words, known)));
+        by_name || by_words
+    }
+}
+
 /// Name registers (low word first) and what they mean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NameWords {
@@ -353,7 +364,12 @@ impl Item {
             Kind::Bool => "true or false".to_owned(),
             Kind::Number { min, max, also } => {
                 let also: String = also.iter().map(|value| format!("{value} or ")).collect();
-                format!("{also}{min} to {max}{unit}")
+                let decimals = match min.decimals {
+                    0 => String::new(),
+                    1 => ", with at most one decimal".to_owned(),
+                    many => format!(", with at most {many} decimals"),
+                };
+                format!("{also}{min} to {max}{unit}{decimals}")
             }
             Kind::Choice(choices) => {
                 let words: Vec<_> = choices.iter().map(|choice| choice.word.as_str()).collect();

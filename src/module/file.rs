@@ -12,6 +12,8 @@ use super::definition::{Applies, Encoding, Field};
 pub struct File {
     pub id: Spanned<String>,
     pub label: String,
+    /// May be left out where `based_on` brings it.
+    #[serde(default)]
     pub manual: String,
     /// The definition that this one completes and overrides, item by item.
     pub based_on: Option<String>,

@@ -9,7 +9,7 @@ use super::dialogs::Dialogs;
 use super::module_view::ModuleView;
 use super::notices::Notices;
 use super::scan_form::ScanForm;
-use super::settings::Settings;
+use super::settings::{LineChoice, Settings};
 use super::{connect, module_list, notices, scan_form, status, theme};
 use crate::bench::{Action, Bench};
 use crate::bus::LineAddress;
@@ -44,6 +44,8 @@ pub struct App {
     module_view: ModuleView,
     notices: Notices,
     dialogs: Dialogs,
+    /// What was chosen before a demonstration, which is not to be remembered.
+    line_before_demo: Option<LineChoice>,
 }
 
 impl App {
@@ -59,8 +61,10 @@ impl App {
             module_view: ModuleView::default(),
             notices: Notices::default(),
             dialogs: Dialogs::default(),
+            line_before_demo: None,
         };
         if demo {
+            app.line_before_demo = Some(app.settings.line.clone());
             let action = app.connect.try_simulated(&mut app.settings);
             app.bench.apply(action);
         }
@@ -81,7 +85,7 @@ impl App {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, module_view, notices, dialogs } = self;
+        let Self { bench, settings, connect, scan_form, module_view, notices, dialogs, line_before_demo: _ } = self;
         let palette = theme::palette(ui);
         let mut pass = Pass { bench, settings, connect, actions };
 
@@ -133,6 +137,10 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.settings.save(storage);
+        let mut settings = self.settings.clone();
+        if let (LineChoice::Simulated, Some(line)) = (&settings.line, &self.line_before_demo) {
+            settings.line = line.clone();
+        }
+        settings.save(storage);
     }
 }

@@ -37,6 +37,12 @@ const WAKE_AFTER: Duration = Duration::from_millis(33);
 
 /// Shows the window until it is closed.
 pub fn run(demo: bool) -> ExitCode {
+    if !has_display() {
+        eprintln!(
+            "There is no display (neither DISPLAY nor WAYLAND_DISPLAY is set) – use the command line, see {NAME} --help"
+        );
+        return ExitCode::FAILURE;
+    }
     let outcome = show(demo, eframe::Renderer::Glow).or_else(|glow| {
         log::warn!("OpenGL cannot be used ({glow}), trying wgpu");
         show(demo, eframe::Renderer::Wgpu).map_err(|wgpu| format!("OpenGL: {glow}; wgpu: {wgpu}"))
@@ -50,13 +56,20 @@ pub fn run(demo: bool) -> ExitCode {
     }
 }
 
+/// Whether there is anything to show a window on, as far as that is known beforehand.
+fn has_display() -> bool {
+    let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY")
+}
+
 fn show(demo: bool, renderer: eframe::Renderer) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title(NAME)
         .with_app_id(NAME)
         .with_inner_size(theme::WINDOW)
         .with_min_inner_size(theme::WINDOW_LEAST);
-    let options = eframe::NativeOptions { viewport, renderer, ..eframe::NativeOptions::default() };
+    let persistence_path = crate::folders::config().map(|folder| folder.join("window.ron"));
+    let options = eframe::NativeOptions { viewport, renderer, persistence_path, ..eframe::NativeOptions::default() };
     eframe::run_native(NAME, options, Box::new(move |creation| Ok(Box::new(start(creation, demo)?))))
 }
 

@@ -159,6 +159,7 @@ fn conclusion(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm, over_tcp: b
             widgets::fixed(ui, ui.available_width(), Align::Min, &text);
             if start.clicked() {
                 connect::scan_with(pass, plan);
+                form.open = false;
             }
         }
         Err(reason) => {

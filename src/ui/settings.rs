@@ -15,6 +15,8 @@ const KEY: &str = "view";
 const DEFAULT_SPAN: f64 = 60.0;
 /// Shortest and longest span of the plot, in seconds.
 pub const SPANS: std::ops::RangeInclusive<f64> = 2.0..=86_400.0;
+/// Spans to choose from, in seconds.
+pub const NAMED_SPANS: [f64; 4] = [60.0, 300.0, 900.0, 3_600.0];
 const ZOOMS: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 const ZOOM_STEP: f32 = 0.1;
 
@@ -121,7 +123,8 @@ impl Settings {
         let finite = |number: f64, otherwise: f64| if number.is_finite() { number } else { otherwise };
         Self {
             zoom: finite(self.zoom.into(), 1.0) as f32,
-            span: finite(self.span, default.span).clamp(*SPANS.start(), *SPANS.end()),
+            // A span that was zoomed to belongs to what was looked at then.
+            span: if NAMED_SPANS.contains(&self.span) { self.span } else { default.span },
             ..self
         }
         .with_zoom_in_range()
@@ -189,7 +192,7 @@ mod tests {
         let broken = Settings { zoom: f32::NAN, span: f64::INFINITY, ..Settings::default() };
         assert_eq!(broken.made_valid(), Settings::default());
         let extreme = Settings { zoom: 40.0, span: 0.0, ..Settings::default() }.made_valid();
-        assert_eq!((extreme.zoom, extreme.span), (3.0, 2.0));
+        assert_eq!((extreme.zoom, extreme.span), (3.0, DEFAULT_SPAN));
     }
 
     #[test]

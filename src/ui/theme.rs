@@ -135,7 +135,8 @@ pub const GAP: f32 = 2.0 * UNIT;
 pub const GAP_SECTION: f32 = 5.0 * UNIT;
 
 pub const WINDOW: [f32; 2] = [1280.0, 800.0];
-pub const WINDOW_LEAST: [f32; 2] = [1024.0, 700.0];
+/// A window of 1024 by 700 still has its title bar to show.
+pub const WINDOW_LEAST: [f32; 2] = [960.0, 620.0];
 
 pub const CONTROL_HEIGHT: f32 = 6.0 * UNIT;
 pub const STATUS_HEIGHT: f32 = 7.0 * UNIT;

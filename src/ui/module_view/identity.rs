@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use eframe::egui::{self, Align, RichText, Ui};
 
-use crate::bench::{Action, DEFAULT_INTERVAL, Module, Presence};
+use crate::bench::{Action, DEFAULT_INTERVAL, LineState, Module, Presence};
+use crate::protocol::Failure;
 use crate::ui::app::Pass;
 use crate::ui::settings::TemperatureUnit;
 use crate::ui::widgets::{self, Glyph};
@@ -27,7 +28,7 @@ impl Default for Polling {
 pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, polling: &mut Polling) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
-        presence(ui, module);
+        presence(ui, module, pass.bench.line());
         widgets::at_right(ui, |ui| unit_toggle(ui, &mut pass.settings.temperature));
     });
     ui.horizontal(|ui| {
@@ -37,7 +38,8 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, polling: &mut Pol
         let response = widgets::fixed_coloured(ui, width, Align::Min, &facts(module), palette.quiet);
         response.on_hover_text(facts(module));
         widgets::at_right(ui, |ui| {
-            pause_button(ui, module, pass.actions, polling);
+            let closed = matches!(pass.bench.line(), LineState::Closed);
+            pause_button(ui, module, closed, pass.actions, polling);
             interval_selector(ui, module, pass.actions, polling);
         });
     });
@@ -53,9 +55,11 @@ fn facts(module: &Module) -> String {
     format!("{}{firmware}  ·  address {address}  ·  {}", identified.name, words::spoken(&module.target))
 }
 
-fn presence(ui: &mut Ui, module: &Module) {
+fn presence(ui: &mut Ui, module: &Module, line: &LineState) {
     let palette = theme::palette(ui);
     let (glyph, colour, word) = match &module.presence {
+        _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed".to_owned()),
+        Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost".to_owned()),
         Presence::Silent { failure } => (Glyph::Cross, palette.error, failure.to_string()),
         Presence::Answering if module.interval.is_none() => (Glyph::Ring, palette.quiet, "polling paused".to_owned()),
         Presence::Answering => (Glyph::Disc, palette.ok, "answering".to_owned()),
@@ -94,13 +98,14 @@ fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, po
     widgets::name_combo(&response.response, "Poll interval", &text);
 }
 
-fn pause_button(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, polling: &Polling) {
+fn pause_button(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Action>, polling: &Polling) {
     let (text, action) = match module.interval {
         Some(_) => ("Pause polling", Action::StopPolling(module.target)),
         None => ("Resume polling", Action::SetInterval(module.target, polling.interval)),
     };
     let button = egui::Button::new(text).min_size(egui::vec2(theme::POLLING_WIDTH, theme::CONTROL_HEIGHT));
-    if ui.add(button).clicked() {
+    let response = ui.add_enabled(!closed, button).on_disabled_hover_text("No line is open: scan to open it again");
+    if response.clicked() {
         actions.push(action);
     }
 }

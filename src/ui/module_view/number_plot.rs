@@ -30,6 +30,8 @@ pub struct Areas {
 
 /// The range of values that is drawn, with the grid's lines and their distance.
 struct Scale {
+    /// There is nothing to draw, so the range means nothing.
+    empty: bool,
     values: RangeInclusive<f64>,
     ticks: Vec<f64>,
     step: f64,
@@ -49,8 +51,13 @@ pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Se
     let unit = group.first().map_or("", |series| series.unit);
     lines(ui, areas.plot, unit, &visible, &scene.view, &scale);
     marks(ui.painter(), areas.plot, &visible, scene, &scale, palette);
-    if visible.iter().all(|series| series.trend.is_none_or(|trend| trend.is_empty())) {
-        let text = if visible.is_empty() { "Hidden" } else { "No readings yet" };
+    if scale.empty {
+        let none_yet = visible.iter().all(|series| series.trend.is_none_or(|trend| trend.is_empty()));
+        let text = match (visible.is_empty(), none_yet) {
+            (true, _) => "Hidden",
+            (false, true) => "No readings yet",
+            (false, false) => "No readings in this time",
+        };
         ui.painter().text(areas.plot.center(), Align2::CENTER_CENTER, text, theme::body(), palette.old);
     }
 }
@@ -59,7 +66,8 @@ impl Scale {
     /// Some room above and below the lines, and never so fine that noise looks like an event.
     fn new(visible: &[&Series<'_>], view: &TimeView, height: f32) -> Self {
         let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
-        let (low, high) = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0));
+        let extremes = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let (low, high) = extremes.unwrap_or((0.0, 0.0));
         let finest = visible.iter().map(|series| resolution(series)).fold(0.0, f64::max);
         let least = (finest * LEAST_RANGE).max(f64::EPSILON);
         let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0 * (1.0 + MARGIN)).max(least / 2.0));
@@ -68,7 +76,8 @@ impl Scale {
         let grain = step * GRAIN;
         let values = ((middle - half) / grain).floor() * grain..=((middle + half) / grain).ceil() * grain;
         let ticks = widgets::multiples(&values, step);
-        Self { values, ticks, step }
+        let ticks = if extremes.is_some() { ticks } else { Vec::new() };
+        Self { empty: extremes.is_none(), values, ticks, step }
     }
 
     /// Where a value lies on the screen.

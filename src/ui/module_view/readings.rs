@@ -6,6 +6,7 @@ use jiff::Timestamp;
 
 use super::series::{Freshness, Series};
 use crate::bench::Module;
+use crate::protocol::Failure;
 use crate::ui::theme::{self, Palette};
 use crate::ui::{widgets, words};
 
@@ -101,8 +102,9 @@ fn value_text(series: &Series<'_>) -> String {
 fn note(series: &Series<'_>, freshness: &Freshness, palette: &Palette) -> (String, eframe::egui::Color32) {
     match (freshness, series.problem()) {
         (Freshness::Fresh, _) => (String::new(), palette.quiet),
+        // That the line is gone stands above, once for all.
+        (Freshness::Old(age), None | Some(Failure::LineLost(_))) => (format!("{} old", words::age(*age)), palette.old),
         (Freshness::Old(age), Some(problem)) => (format!("{} old – {problem}", words::age(*age)), palette.error),
-        (Freshness::Old(age), None) => (format!("{} old", words::age(*age)), palette.old),
         (Freshness::Unknown, Some(problem)) => (problem.to_string(), palette.error),
         (Freshness::Unknown, None) => ("not read yet".to_owned(), palette.old),
     }
