@@ -258,3 +258,60 @@ fn actions_are_sent_as_the_manuals_show() {
         assert!(script.exchanges.is_empty());
     }
 }
+
+/// A module that is silent to one command only; the others are answered as the PIR-234 manual shows.
+struct SilentTo(&'static str);
+
+impl Ask for SilentTo {
+    fn ask(&mut self, query: &Query) -> Result<Reply, Failure> {
+        let Query::Dcon { text, .. } = query else { panic!("{query:?} is not DCON") };
+        match text.as_str() {
+            silent if silent == self.0 => Err(Failure::Silent),
+            "#01" => Ok(Reply::Text(">+030.00+086.00+050.00".into())),
+            "@01DI" => Ok(Reply::Text("!0100100".into())),
+            "@01RAO" => Ok(Reply::Text("!010000".into())),
+            "~010" => Ok(Reply::Text("!0100".into())),
+            _ => Err(Failure::Refused { answer: "?01".into() }),
+        }
+    }
+
+    fn follow(&mut self, _address: u8) {}
+}
+
+#[test]
+fn silence_to_one_command_does_not_hide_what_the_others_tell() {
+    use dcon_bench::module::ReadPlan;
+    let definition = definition("pir-234");
+    for silent in ["#01", "@01DI", "@01RAO", "~010"] {
+        let mut plan = ReadPlan::new(&definition, Protocol::Dcon, definition.live_ids(Protocol::Dcon, &[]));
+        // Another question comes first after a run in which the first was not answered.
+        let mut module = SilentTo(silent);
+        plan.run(1, &mut module);
+        let values = plan.run(1, &mut module);
+        let known = |id: &str| values.iter().any(|(name, value)| name == id && value.is_ok());
+        assert_eq!(known("temperature_c"), silent != "#01", "{silent}");
+        assert_eq!(known("do0"), silent != "@01DI", "{silent}");
+        assert_eq!(known("alarm_active"), silent != "@01RAO", "{silent}");
+        assert_eq!(known("wdt_tripped"), silent != "~010", "{silent}");
+    }
+}
+
+#[test]
+fn a_dead_module_costs_one_question_a_run() {
+    struct Dead(u32);
+    impl Ask for Dead {
+        fn ask(&mut self, _query: &Query) -> Result<Reply, Failure> {
+            self.0 += 1;
+            Err(Failure::Silent)
+        }
+        fn follow(&mut self, _address: u8) {}
+    }
+    let definition = definition("pir-234");
+    let mut plan =
+        dcon_bench::module::ReadPlan::new(&definition, Protocol::Dcon, definition.live_ids(Protocol::Dcon, &[]));
+    let mut module = Dead(0);
+    for runs in 1..=5 {
+        assert!(plan.run(1, &mut module).iter().all(|(_, value)| *value == Err(Failure::Silent)));
+        assert_eq!(module.0, runs);
+    }
+}

@@ -277,6 +277,17 @@ mod tests {
     }
 
     #[test]
+    fn a_module_found_without_parity_is_not_looked_for_with_a_second_stop_bit() {
+        let mut scan = Scan::new(ScanPlan::full());
+        let found = ScanPlan::quick().targets()[0];
+        scan.found.push(found);
+        let at = |data_format| Target { settings: LineSettings { data_format, ..found.settings }, ..found };
+        assert!(scan.is_known(&at(DataFormat::N82)));
+        assert!(!scan.is_known(&at(DataFormat::E81)));
+        assert!(!scan.is_known(&Target { address: 2, ..at(DataFormat::N82) }));
+    }
+
+    #[test]
     fn a_silent_address_costs_its_question_and_one_window() {
         let plan = ScanPlan::quick();
         let target = plan.targets()[33];

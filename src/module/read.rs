@@ -61,6 +61,14 @@ pub struct ReadRun {
     silent_in_a_row: u8,
 }
 
+impl ReadRun {
+    /// Ends the run: what was not read shares this failure.
+    pub fn fail(&mut self, failure: &Failure) {
+        fill_open(&mut self.results, failure);
+        self.questions.clear();
+    }
+}
+
 impl ReadPlan {
     /// A plan for the named items; names that `protocol` does not offer are left out.
     pub fn new<'a>(definition: &Arc<Definition>, protocol: Protocol, ids: impl IntoIterator<Item = &'a str>) -> Self {
@@ -112,8 +120,7 @@ impl ReadPlan {
                 let gone = matches!(failure, Failure::LineLost(_)) || !run.answered || run.silent_in_a_row > 1;
                 if gone {
                     self.first = if run.answered { self.first } else { self.first.wrapping_add(1) };
-                    fill_open(&mut run.results, failure);
-                    run.questions.clear();
+                    run.fail(failure);
                     return false;
                 }
                 self.take_silence(&question, failure, run);

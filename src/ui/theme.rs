@@ -193,6 +193,8 @@ pub const Y_LABELS: f32 = 12.0 * UNIT;
 pub const LEGEND_ROW: f32 = 5.0 * UNIT;
 pub const PLOT_LEAST: f32 = 15.0 * UNIT;
 pub const STRIP: f32 = 4.5 * UNIT;
+/// Where the window is low, rather than that the time axis is cut off.
+pub const STRIP_LEAST: f32 = 3.0 * UNIT;
 pub const STRIP_INSET: f32 = UNIT;
 pub const TIME_AXIS: f32 = 5.0 * UNIT;
 /// Least distance between two ticks, across and upwards.

@@ -184,7 +184,10 @@ impl Worker {
         let Reading { target, plan, run, patience, .. } = &mut reading;
         let more = match self.dialogue() {
             Ok(dialogue) => plan.step(run, target.address, &mut dialogue.with(*target, *patience)),
-            Err(_) => false,
+            Err(failure) => {
+                run.fail(&failure);
+                false
+            }
         };
         if more {
             self.reading = Some(reading);

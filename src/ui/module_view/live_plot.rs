@@ -199,9 +199,11 @@ fn groups<'a, 'b>(series: &'b [Series<'a>]) -> Vec<Vec<&'b Series<'a>>> {
 }
 
 fn layout(ui: &mut Ui, groups: &[Vec<&Series<'_>>], switches: usize, height: f32) -> Layout {
-    let strips_height = switches as f32 * theme::STRIP;
     let count = groups.len().max(1) as f32;
     let gaps = groups.len() as f32 * theme::GAP;
+    let left = height - theme::TIME_AXIS - gaps - count * theme::PLOT_LEAST;
+    let strip = (left / switches.max(1) as f32).clamp(theme::STRIP_LEAST, theme::STRIP).floor();
+    let strips_height = switches as f32 * strip;
     let share = ((height - strips_height - theme::TIME_AXIS - gaps) / count).max(theme::PLOT_LEAST);
     let plots_height = if groups.is_empty() { 0.0 } else { share * count + gaps };
     let size = vec2(ui.available_width(), plots_height + strips_height + theme::TIME_AXIS);
@@ -222,7 +224,7 @@ fn layout(ui: &mut Ui, groups: &[Vec<&Series<'_>>], switches: usize, height: f32
         plots.push(Areas { legend, labels, plot });
         row(theme::GAP);
     }
-    let strips = (0..switches).map(|_| row(theme::STRIP)).map(|[name, _, trace]| (name, trace)).collect();
+    let strips = (0..switches).map(|_| row(strip)).map(|[name, _, trace]| (name, trace)).collect();
     let [_, _, axis] = row(theme::TIME_AXIS);
     Layout { plots, strips, axis, timed: Rect::from_x_y_ranges(timed, all.y_range()) }
 }
