@@ -104,3 +104,33 @@ impl Patience {
         Self { window, after_silence: 0, after_garbage: 1 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn tcp(text: &str) -> Option<(String, u16)> {
+        match LineAddress::tcp(text) {
+            Ok(LineAddress::Tcp { host, port }) => Some((host, port)),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn a_host_may_have_a_port() {
+        assert_eq!(tcp("192.168.255.1"), Some(("192.168.255.1".into(), 502)));
+        assert_eq!(tcp("module.local:1502"), Some(("module.local".into(), 1502)));
+        assert_eq!(tcp("[fe80::1]:1502"), Some(("fe80::1".into(), 1502)));
+        assert_eq!(tcp("fe80::1"), Some(("fe80::1".into(), 502)));
+        assert_eq!(tcp("host:99999"), None);
+        assert_eq!(tcp(""), None);
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_the_parser_panic(text: String) {
+            let _ = LineAddress::tcp(&text);
+        }
+    }
+}

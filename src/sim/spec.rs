@@ -254,4 +254,11 @@ mod tests {
             assert!(error.contains(hint), "{text}: {error}");
         }
     }
+
+    proptest::proptest! {
+        #[test]
+        fn no_text_makes_the_parser_panic(text: String) {
+            let _ = text.parse::<ModuleSpec>();
+        }
+    }
 }
