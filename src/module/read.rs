@@ -163,6 +163,7 @@ impl ReadPlan {
             if silences >= SILENCES_ALLOWED && self.has_another_way(index, false) {
                 run.again.push(index);
             } else {
+                self.give_up(index, failure);
                 set(&mut run.results, index, Err(failure.clone()));
             }
         }
