@@ -71,6 +71,14 @@ fn why_not(_name: &str) -> Option<String> {
     None
 }
 
+/// What a failed read or write of an open port means.
+fn lost(error: &io::Error) -> LineLost {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe | io::ErrorKind::NotFound => LineLost::new("it was unplugged"),
+        _ => LineLost::new(error),
+    }
+}
+
 /// An open serial port.
 pub struct SerialLine {
     port: Box<dyn SerialPort>,
@@ -113,7 +121,7 @@ impl Line for SerialLine {
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LineLost> {
         self.port.set_timeout(WRITE_LIMIT).map_err(LineLost::new)?;
-        self.port.write_all(bytes).map_err(LineLost::new)
+        self.port.write_all(bytes).map_err(|error| lost(&error))
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LineLost> {
@@ -126,7 +134,7 @@ impl Line for SerialLine {
                 Ok(count) => return Ok(count),
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => return Ok(0),
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(LineLost::new(error)),
+                Err(error) => return Err(lost(&error)),
             }
         }
     }
