@@ -70,23 +70,22 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
 /// Judges what has arrived when nothing more came in time.
 pub fn after_silence(request: &[u8], expected: &Expected, received: &[u8], echoes: bool) -> Verdict {
     let (rest, echo) = without_echo(request, expected, received, echoes);
-    let failed = Verdict::Failed;
     if rest.is_empty() {
-        return failed(Failure::Silent);
+        return Verdict::Failed(Failure::Silent);
     }
     let start = rest.iter().position(|byte| !is_noise(*byte)).unwrap_or(rest.len());
     let meant = rest.get(start..).unwrap_or_default();
     if meant.is_empty() {
         let reason = "only stray bytes came back: line noise".to_owned();
-        return failed(Failure::Garbled { reason, bytes: rest.to_vec() });
+        return Verdict::Failed(Failure::Garbled { reason, bytes: rest.to_vec() });
     }
     if echoes && !echo {
-        return failed(Failure::Collision { bytes: rest.to_vec() });
+        return Verdict::Failed(Failure::Collision { bytes: rest.to_vec() });
     }
     match expected {
         Expected::Rtu { .. } => after_silence_rtu(request, meant, echo),
-        Expected::Dcon { checksum, from } => failed(dcon_failure(meant, *checksum, from)),
-        Expected::Nothing => failed(Failure::Silent),
+        Expected::Dcon { checksum, from } => Verdict::Failed(dcon_failure(meant, *checksum, from)),
+        Expected::Nothing => Verdict::Failed(Failure::Silent),
     }
 }
 

@@ -120,9 +120,7 @@ impl ScanPlan {
             _ => self.window + target.settings.wire_time(characters),
         }
     }
-}
 
-impl ScanPlan {
     /// How long the scan takes if nothing answers.
     pub fn duration(&self) -> Duration {
         let targets = self.targets();

@@ -124,12 +124,6 @@ impl Wire {
         self.clock.stamp(self.line.now())
     }
 
-    /// Lets the line's time pass.
-    pub fn wait(&mut self, duration: Duration) {
-        let until = self.line.now() + duration;
-        self.line.wait_until(until);
-    }
-
     /// Changes speed and format in place. True if they were others before.
     pub fn configure(&mut self, settings: LineSettings) -> Result<bool, LineLost> {
         if settings == self.settings {

@@ -34,10 +34,6 @@ impl Definition {
         self.actions.iter().find(|action| action.id == id)
     }
 
-    pub fn command(&self, id: &str) -> Option<&Command> {
-        self.commands.iter().find(|command| command.id == id)
-    }
-
     /// The items that `protocol` offers, in the order of the file.
     pub fn items_over(&self, protocol: Protocol) -> impl Iterator<Item = &Item> {
         self.items.iter().filter(move |item| item.is_offered(protocol))

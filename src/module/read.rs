@@ -81,10 +81,6 @@ impl ReadPlan {
         Self { definition: definition.clone(), protocol, entries, first: 0 }
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
     /// Asks everything once and tells of each item its value or why there is none.
     pub fn run(&mut self, address: u8, ask: &mut dyn Ask) -> Vec<(String, Result<Value, Failure>)> {
         let mut run = self.begin(address);
