@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::{Bench, DEFAULT_INTERVAL, LineState, ScanState, Severity};
+use super::{Bench, DEFAULT_INTERVAL, LineState, Module, ScanState, Severity};
 use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
 use crate::protocol::LineSettings;
 
@@ -34,11 +34,43 @@ pub enum Action {
     StopPolling(Target),
     /// Forget a module.
     Remove(Target),
+    /// Poll every module whose model is known, or none.
+    PollAll(bool),
+    /// Ask for these items once.
+    Read(Target, Vec<String>),
+    /// Change an item, to be written later; the text is judged by the item.
+    Stage(Target, String, String),
+    /// Take back the change of one item, or of all.
+    Revert(Target, Option<String>),
+    /// Write the changes of these items.
+    Write(Target, Vec<String>),
+    /// Change an item and write it at once, as a switch does.
+    Set(Target, String, String),
+    /// Carry out an action of the definition.
+    Act(Target, String),
+    /// Send Host OK after each period, which may not be longer than the watchdog's timeout.
+    StartHostOk(Target, Duration),
+    StopHostOk(Target),
+    /// Begin to write what needs INIT mode, step by step.
+    BeginInit(Target),
+    /// The user has done what the present step asks for.
+    ContinueInit,
+    LeaveInit,
+    /// Turn a switch of a simulated module, or its power off and on.
+    Simulated(Target, Simulated),
     /// Add a module definition from a file to the user's own.
     AddDefinition(PathBuf),
     /// Tell something that happened in the window itself.
     Notify(Severity, String),
     ClearNotices,
+}
+
+/// What a person would do with the hands, for modules that are simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Simulated {
+    /// DIP 4.
+    Init(bool),
+    PowerCycle,
 }
 
 impl Bench {
@@ -54,15 +86,63 @@ impl Bench {
             Action::SetInterval(target, interval) => self.watch(target, interval),
             Action::StopPolling(target) => self.stop_polling(target),
             Action::Remove(target) => self.remove(target),
+            Action::PollAll(on) => self.poll_all(on),
+            Action::Read(target, ids) => self.read(target, ids),
+            Action::Stage(target, id, text) => self.on_module(&target, |module| module.stage(&id, &text)),
+            Action::Revert(target, id) => self.on_module(&target, |module| module.revert(id.as_deref())),
+            Action::Write(target, ids) => self.write(target, &ids),
+            Action::Set(target, id, text) => {
+                self.on_module(&target, |module| module.stage(&id, &text));
+                self.write(target, &[id]);
+            }
+            Action::Act(target, action) => self.act(target, action),
+            Action::StartHostOk(target, period) => self.start_host_ok(target, period),
+            Action::StopHostOk(target) => self.stop_host_ok(target),
+            Action::BeginInit(target) => self.begin_init(target),
+            Action::ContinueInit => self.continue_init(),
+            Action::LeaveInit => self.init = None,
+            Action::Simulated(target, what) => self.do_simulated(&target, what),
             Action::AddDefinition(path) => self.add_definition(&path),
             Action::Notify(severity, text) => self.notify(severity, text),
             Action::ClearNotices => self.notices.clear(),
         }
     }
 
-    fn send(&mut self, command: BusCommand) {
-        if let Err(gone) = self.bus.send(command) {
-            self.notify(Severity::Error, gone.to_string());
+    pub(super) fn send(&mut self, command: BusCommand) {
+        self.try_send(command);
+    }
+
+    /// False if the bus does not take the command, which is told.
+    pub(super) fn try_send(&mut self, command: BusCommand) -> bool {
+        match self.bus.send(command) {
+            Ok(()) => true,
+            Err(gone) => {
+                self.notify(Severity::Error, gone.to_string());
+                false
+            }
+        }
+    }
+
+    fn on_module(&mut self, target: &Target, change: impl FnOnce(&mut Module)) {
+        if let Some(module) = self.module_mut(target) {
+            change(module);
+        }
+    }
+
+    fn poll_all(&mut self, on: bool) {
+        let known = self.modules.iter().filter(|module| module.definition().is_some());
+        let others: Vec<Target> =
+            known.filter(|module| module.interval.is_some() != on).map(|module| module.target).collect();
+        for target in others {
+            if on { self.watch(target, DEFAULT_INTERVAL) } else { self.stop_polling(target) }
+        }
+    }
+
+    fn do_simulated(&mut self, target: &Target, what: Simulated) {
+        let Some(LineAddress::Simulated { sim, .. }) = self.line.line() else { return };
+        match what {
+            Simulated::Init(on) => sim.set_init(target.address, on),
+            Simulated::PowerCycle => sim.power_cycle(target.address),
         }
     }
 
@@ -70,6 +150,7 @@ impl Bench {
         let id = self.bus.next_id();
         self.modules.clear();
         self.shown = None;
+        self.init = None;
         self.scan = None;
         self.settings = settings;
         self.changing_line = Some(id);
@@ -107,7 +188,7 @@ impl Bench {
         }
     }
 
-    fn watch(&mut self, target: Target, interval: Duration) {
+    pub(super) fn watch(&mut self, target: Target, interval: Duration) {
         let id = self.bus.next_id();
         let Some(module) = self.module_mut(&target) else { return };
         let Some(definition) = module.definition().cloned() else { return };

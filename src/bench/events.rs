@@ -19,7 +19,8 @@ impl Bench {
         true
     }
 
-    fn take(&mut self, event: BusEvent) {
+    /// Takes in one event.
+    pub fn take(&mut self, event: BusEvent) {
         if let Some(awaited) = self.changing_line {
             return self.take_while_changing(awaited, event);
         }
@@ -33,19 +34,24 @@ impl Bench {
             }
             BusEvent::Found { id, target, identified } => self.found(id, target, identified),
             BusEvent::ScanEnded { id, summary } => self.scan_ended(id, summary),
-            BusEvent::Read { target, at, values, .. } => {
+            BusEvent::Read { id, target, at, values } => {
                 if let Some(module) = self.module_mut(&target) {
-                    module.take(at, values);
+                    module.take(id, at, values);
                 }
             }
+            BusEvent::Parts { target, present } => {
+                if let Some(module) = self.module_mut(&target) {
+                    module.parts = Some(present);
+                }
+            }
+            BusEvent::Written { id, target, item, at, result } => self.written(id, target, &item, at, result),
+            BusEvent::Acted { id, target, action, at, result } => self.acted(id, target, &action, at, result),
+            BusEvent::Identified { id, target, result } => self.identified(id, target, result),
             BusEvent::Traffic(frame) => self.keep(frame),
             BusEvent::Statistics(statistics) => self.statistics = statistics,
             BusEvent::Opened { .. }
             | BusEvent::OpenFailed { .. }
             | BusEvent::Closed { .. }
-            | BusEvent::Identified { .. }
-            | BusEvent::Written { .. }
-            | BusEvent::Acted { .. }
             | BusEvent::RawAnswer { .. } => {}
         }
     }
@@ -62,7 +68,8 @@ impl Bench {
             BusEvent::Closed { id } if id == awaited => {
                 self.line = LineState::Closed;
                 self.statistics = Statistics::default();
-                self.modules.iter_mut().for_each(|module| module.interval = None);
+                self.init = None;
+                self.modules.iter_mut().for_each(Module::forget_requests);
             }
             BusEvent::ScanEnded { id, summary } => return self.scan_ended(id, summary),
             _ => return,
@@ -106,9 +113,10 @@ impl Bench {
         if let Some(ScanState::Running { found, .. }) = self.running_scan(id) {
             *found = found.saturating_add(1);
         }
+        let at = self.now();
         match self.module_mut(&target) {
             Some(module) => module.identified = identified,
-            None => self.modules.push(Module::new(target, identified)),
+            None => self.modules.push(Module::new(target, identified, at)),
         }
     }
 

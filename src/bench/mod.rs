@@ -2,17 +2,30 @@
 //! events from the bus; the window only draws what stands here.
 
 mod actions;
+mod edits;
 mod events;
+mod host_ok;
+mod init;
+mod journal;
 mod module;
 mod notice;
+mod switch_kind;
+mod writing;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-pub use actions::Action;
+use jiff::Timestamp;
+
+pub use actions::{Action, Simulated};
+pub use edits::{Edit, EditState, ItemState};
+pub use host_ok::{HOST_OK, HostOk};
+pub use init::{InitProcedure, InitStep};
+pub use journal::{Entry, EntryKind, Journal};
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
+pub use switch_kind::SwitchKind;
 
 use crate::bus::{Bus, Frame, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
 use crate::module::{Catalogue, FileError};
@@ -78,6 +91,11 @@ pub struct Bench {
     statistics: Statistics,
     frames: VecDeque<Frame>,
     notices: VecDeque<Notice>,
+    /// The guided change of what needs INIT mode.
+    init: Option<InitProcedure>,
+    /// Modules that were given another address or setting, until the window has taken note.
+    moves: Vec<(Target, Target)>,
+    clock: fn() -> Timestamp,
 }
 
 impl Bench {
@@ -95,11 +113,34 @@ impl Bench {
             statistics: Statistics::default(),
             frames: VecDeque::new(),
             notices: VecDeque::new(),
+            init: None,
+            moves: Vec::new(),
+            clock: Timestamp::now,
         };
         for error in faulty_files {
             bench.notify(Severity::Warning, format!("Module definition {error}"));
         }
         bench
+    }
+
+    /// Replaces the clock that ages are told by.
+    pub fn with_clock(mut self, clock: fn() -> Timestamp) -> Self {
+        self.clock = clock;
+        self
+    }
+
+    pub fn now(&self) -> Timestamp {
+        (self.clock)()
+    }
+
+    /// The guided change of what needs INIT mode, while it is under way.
+    pub fn init(&self) -> Option<&InitProcedure> {
+        self.init.as_ref()
+    }
+
+    /// Modules that are reached in another way than before, since this was last asked.
+    pub fn take_moves(&mut self) -> Vec<(Target, Target)> {
+        std::mem::take(&mut self.moves)
     }
 
     pub fn catalogue(&self) -> &Catalogue {
@@ -158,7 +199,8 @@ impl Bench {
         if self.notices.len() >= NOTICES_KEPT {
             self.notices.pop_front();
         }
-        self.notices.push_back(Notice::now(severity, text));
+        let at = self.now();
+        self.notices.push_back(Notice { at, severity, text });
     }
 
     fn module_mut(&mut self, target: &Target) -> Option<&mut Module> {

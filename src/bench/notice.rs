@@ -16,9 +16,3 @@ pub struct Notice {
     pub severity: Severity,
     pub text: String,
 }
-
-impl Notice {
-    pub fn now(severity: Severity, text: String) -> Self {
-        Self { at: Timestamp::now(), severity, text }
-    }
-}

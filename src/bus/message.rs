@@ -61,6 +61,11 @@ pub enum BusCommand {
     Write { id: RequestId, target: Target, definition: Arc<Definition>, item: String, value: Value },
     /// Carries out an action once. → [`BusEvent::Acted`]
     Act { id: RequestId, target: Target, definition: Arc<Definition>, action: String },
+    /// Carries out an action now and again and again, such as Host OK; an earlier repetition of the same action of the
+    /// same module ends. → [`BusEvent::Acted`] each time
+    Repeat { id: RequestId, target: Target, definition: Arc<Definition>, action: String, period: Duration },
+    /// Ends a repetition. No event follows but those under way.
+    StopRepeating { target: Target, action: String },
     /// Sends bytes as they are, once. → [`BusEvent::RawAnswer`]
     Raw { id: RequestId, request: RawRequest, settings: LineSettings },
     /// Reads items again and again; an interval of zero means as fast as the line allows. → [`BusEvent::Read`] each time
@@ -103,6 +108,11 @@ pub enum BusEvent {
     ScanEnded {
         id: RequestId,
         summary: ScanSummary,
+    },
+    /// Which optional parts a module has, asked before its items are read for the first time.
+    Parts {
+        target: Target,
+        present: Vec<String>,
     },
     Identified {
         id: RequestId,

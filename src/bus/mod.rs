@@ -12,6 +12,7 @@ mod judge;
 pub mod line;
 mod message;
 mod problem;
+mod repeat;
 pub mod scan;
 mod serial;
 mod tap;

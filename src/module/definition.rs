@@ -376,6 +376,24 @@ impl Item {
         }
     }
 
+    /// A value for people: a choice by its label, a number with its unit.
+    pub fn text(&self, value: &Value) -> String {
+        let bare = self.bare_text(value);
+        if self.unit.is_empty() || bare.parse::<f64>().is_err() { bare } else { format!("{bare} {}", self.unit) }
+    }
+
+    /// A value for people, without its unit.
+    pub fn bare_text(&self, value: &Value) -> String {
+        match (value, &self.kind) {
+            (Value::Bool(on), _) => if *on { "on" } else { "off" }.to_owned(),
+            (Value::Choice(word), Kind::Choice(choices)) => choices
+                .iter()
+                .find(|choice| choice.word == *word)
+                .map_or_else(|| word.clone(), |choice| choice.label.clone()),
+            _ => value.to_string(),
+        }
+    }
+
     /// Reads what a user typed.
     pub fn parse(&self, text: &str) -> Result<Value, ValueError> {
         if self.read_only {

@@ -6,8 +6,9 @@ use eframe::egui::{self, CentralPanel, Panel};
 
 use super::connect::Connect;
 use super::dialogs::Dialogs;
-use super::module_view::ModuleView;
+use super::guard::{Confirm, Guard};
 use super::notices::Notices;
+use super::panes::{Pane, Panes};
 use super::scan_form::ScanForm;
 use super::settings::{LineChoice, Settings};
 use super::{connect, module_list, notices, scan_form, status, theme};
@@ -34,6 +35,10 @@ pub struct Pass<'a> {
     pub settings: &'a mut Settings,
     pub connect: &'a mut Connect,
     pub actions: &'a mut Vec<Action>,
+    /// A question to be asked before its actions are carried out.
+    pub confirm: &'a mut Option<Confirm>,
+    /// Panes that the user wants closed.
+    pub closing: &'a mut Vec<Pane>,
 }
 
 pub struct App {
@@ -41,7 +46,8 @@ pub struct App {
     settings: Settings,
     connect: Connect,
     scan_form: ScanForm,
-    module_view: ModuleView,
+    panes: Panes,
+    guard: Guard,
     notices: Notices,
     dialogs: Dialogs,
     /// What was chosen before a demonstration, which is not to be remembered.
@@ -53,12 +59,14 @@ impl App {
         let Start { simulated, demo, settings } = start;
         theme::apply(ctx);
         settings.apply(ctx);
+        let panes = settings.layout.as_deref().map_or_else(Panes::default, Panes::from_layout);
         let mut app = Self {
             bench,
             settings,
             connect: Connect::new(simulated),
             scan_form: ScanForm::default(),
-            module_view: ModuleView::default(),
+            panes,
+            guard: Guard::default(),
             notices: Notices::default(),
             dialogs: Dialogs::default(),
             line_before_demo: None,
@@ -77,6 +85,16 @@ impl App {
 
     /// Carries out an action as if the user had asked for it in the window.
     pub fn apply(&mut self, action: Action) {
+        let Some(action) = self.guard.pass(&self.bench, action) else { return };
+        self.carry_out(action);
+    }
+
+    fn carry_out(&mut self, action: Action) {
+        match &action {
+            Action::Show(target) => self.panes.open(Pane::Module(*target)),
+            Action::Remove(target) => self.panes.close(Pane::Module(*target)),
+            _ => {}
+        }
         self.bench.apply(action);
     }
 
@@ -85,9 +103,10 @@ impl App {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, module_view, notices, dialogs, line_before_demo: _ } = self;
+        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, line_before_demo: _ } = self;
         let palette = theme::palette(ui);
-        let mut pass = Pass { bench, settings, connect, actions };
+        let (mut confirm, mut closing) = (None, Vec::new());
+        let mut pass = Pass { bench, settings, connect, actions, confirm: &mut confirm, closing: &mut closing };
 
         Panel::top("connect").frame(theme::panel_frame(palette)).show(ui, |ui| connect::show(ui, &mut pass, scan_form));
         if scan_form.open {
@@ -107,10 +126,26 @@ impl App {
             .size_range(theme::LIST_WIDTH_RANGE)
             .frame(theme::list_frame(palette))
             .show(ui, |ui| module_list::show(ui, &mut pass));
-        CentralPanel::default()
-            .frame(theme::ground_frame(palette))
-            .show(ui, |ui| module_view.show(ui, &mut pass, dialogs));
-        dialogs.show(ui.ctx(), actions);
+        CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
+        dialogs.show(ui.ctx(), pass.actions);
+        if let Some(confirm) = confirm {
+            guard.confirm(confirm);
+        }
+        for pane in closing {
+            if guard.close(bench, pane) {
+                panes.close(pane);
+            }
+        }
+    }
+
+    /// Asks what has to be asked, and does what was decided.
+    fn ask(&mut self, ctx: &egui::Context) {
+        self.guard.quit(ctx, &self.bench);
+        let outcome = self.guard.show(ctx, &self.bench);
+        outcome.actions.into_iter().for_each(|action| self.carry_out(action));
+        if let Some(pane) = outcome.close {
+            self.panes.close(pane);
+        }
     }
 }
 
@@ -119,6 +154,9 @@ impl eframe::App for App {
         let all_taken = (0..BATCHES).any(|_| !self.bench.drain());
         if !all_taken {
             ctx.request_repaint();
+        }
+        for (from, to) in self.bench.take_moves() {
+            self.panes.follow(from, to);
         }
         if self.bench.modules().iter().any(|module| module.interval.is_some()) {
             ctx.request_repaint_after(AGES_EVERY);
@@ -133,10 +171,12 @@ impl eframe::App for App {
             // What was asked for shows in the next frame.
             ui.ctx().request_repaint();
         }
-        actions.into_iter().for_each(|action| self.bench.apply(action));
+        actions.into_iter().for_each(|action| self.apply(action));
+        self.ask(ui.ctx());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.settings.layout = self.panes.layout();
         let mut settings = self.settings.clone();
         if let (LineChoice::Simulated, Some(line)) = (&settings.line, &self.line_before_demo) {
             settings.line = line.clone();

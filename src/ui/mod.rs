@@ -6,15 +6,19 @@
 
 mod app;
 mod connect;
+mod dashboard;
 mod dialogs;
 mod empty;
+mod guard;
 mod module_list;
 mod module_view;
 mod notices;
+mod panes;
 mod scan_form;
 mod settings;
 mod status;
 mod theme;
+mod traffic;
 mod widgets;
 mod words;
 

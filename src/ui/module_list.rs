@@ -1,7 +1,6 @@
 //! The modules that were found, with what they last said.
 
 use eframe::egui::{Align, Rect, Role, ScrollArea, Sense, Ui, pos2, vec2};
-use jiff::Timestamp;
 
 use super::app::Pass;
 use super::module_view::{Freshness, Series, series_of};
@@ -119,7 +118,7 @@ fn what_it_says(pass: &Pass<'_>, module: &Module, state: &str) -> (String, bool)
     let series = series_of(module, pass.settings.temperature);
     let numbers: Vec<&Series> = series.iter().filter(|series| series.is_number()).take(NUMBERS_SHOWN).collect();
     let shown = if numbers.is_empty() { series.iter().take(NUMBERS_SHOWN).collect() } else { numbers };
-    let now = Timestamp::now();
+    let now = pass.bench.now();
     let known: Vec<String> = shown.iter().filter_map(|series| value_of(series)).collect();
     let fresh = shown.iter().all(|series| series.freshness(module, now) == Freshness::Fresh);
     match (known.is_empty(), &module.presence) {

@@ -88,6 +88,10 @@ pub struct Settings {
     /// Of Modbus TCP.
     pub host: String,
     pub line_settings: LineSettings,
+    /// The tab of a module that was looked at last.
+    pub tab: String,
+    /// Where the tabs are, as the window wrote it down.
+    pub layout: Option<String>,
 }
 
 impl Default for Settings {
@@ -104,6 +108,8 @@ impl Default for Settings {
             // The module's own address as it leaves the factory (PIR-234 manual 3.1).
             host: "192.168.255.1".to_owned(),
             line_settings: LineSettings::default(),
+            tab: String::new(),
+            layout: None,
         }
     }
 }

@@ -4,6 +4,7 @@
 //! together with a shape or a word. Text has a contrast of at least 4.5 to 1 on both grounds, marks at least 3 to 1
 //! (WCAG 2.2, 1.4.3 and 1.4.11); a test holds them to it.
 
+use crate::bench::SwitchKind;
 use eframe::egui::{
     self, Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals, vec2,
 };
@@ -106,6 +107,16 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
+/// The colour of a switch, by what it stands for.
+pub fn switch_colour(palette: &Palette, kind: SwitchKind) -> Color32 {
+    match kind {
+        SwitchKind::Motion => palette.motion,
+        SwitchKind::Output => palette.output,
+        SwitchKind::Sound => palette.sound,
+        SwitchKind::Alarm | SwitchKind::Watchdog => palette.alarm,
+    }
+}
+
 /// The type scale.
 pub const SMALL: f32 = 11.0;
 pub const BODY: f32 = 13.0;
@@ -136,6 +147,11 @@ pub const GAP_SECTION: f32 = 5.0 * UNIT;
 
 pub const WINDOW: [f32; 2] = [1280.0, 800.0];
 /// A window of 1024 by 700 still has its title bar to show.
+pub const WINDOW_OWN: [f32; 2] = [1000.0, 700.0];
+/// Least width and height of a tab's contents.
+pub const PANE_LEAST: f32 = 80.0 * UNIT;
+pub const TAB_HEIGHT: f32 = 7.0 * UNIT;
+pub const QUESTION_WIDTH: f32 = 110.0 * UNIT;
 pub const WINDOW_LEAST: [f32; 2] = [960.0, 620.0];
 
 pub const CONTROL_HEIGHT: f32 = 6.0 * UNIT;
@@ -187,7 +203,17 @@ pub const READING_DIGITS: f32 = 29.0 * UNIT;
 pub const LAMP_CELL: [f32; 2] = [47.0 * UNIT, 6.0 * UNIT];
 pub const LAMP_GUTTER: f32 = 4.0 * UNIT;
 
+/// Lines of a form: name, value, unit, state and its buttons.
+pub const FORM_LABEL: f32 = 44.0 * UNIT;
+pub const FORM_EDITOR: f32 = 36.0 * UNIT;
+pub const FORM_UNIT: f32 = 9.0 * UNIT;
+pub const FORM_STATE: f32 = 80.0 * UNIT;
+pub const FORM_BUTTONS: f32 = 32.0 * UNIT;
+/// What a text field adds left and right of its text.
+pub const FIELD_MARGIN: f32 = 2.0 * UNIT;
+
 /// The plot.
+pub const PLOT_HEIGHT: f32 = 70.0 * UNIT;
 pub const LEGEND_WIDTH: f32 = 44.0 * UNIT;
 pub const Y_LABELS: f32 = 12.0 * UNIT;
 pub const LEGEND_ROW: f32 = 5.0 * UNIT;

@@ -10,6 +10,7 @@ use eframe::egui::{
 };
 
 use super::theme::{self, Palette};
+use crate::bench::SwitchKind;
 
 /// A mark that says a state by its form; the colour only repeats it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +31,24 @@ pub enum Glyph {
     Outline,
     /// Lost, failed.
     Cross,
+    /// Changed, not written.
+    Edited,
+    /// Out of the window.
+    Detach,
+}
+
+impl Glyph {
+    /// The form of a switch by what it stands for.
+    pub fn of_switch(kind: SwitchKind, on: bool) -> Self {
+        match (kind, on) {
+            (SwitchKind::Alarm | SwitchKind::Watchdog, true) => Self::Triangle,
+            (SwitchKind::Alarm | SwitchKind::Watchdog, false) => Self::Outline,
+            (SwitchKind::Output, true) => Self::Square,
+            (SwitchKind::Output, false) => Self::Frame,
+            (SwitchKind::Motion | SwitchKind::Sound, true) => Self::Disc,
+            (SwitchKind::Motion | SwitchKind::Sound, false) => Self::Ring,
+        }
+    }
 }
 
 /// Paints `glyph` into the square around `centre`.
@@ -53,6 +72,20 @@ pub fn paint_glyph(painter: &Painter, glyph: Glyph, centre: Pos2, size: f32, col
         Glyph::Frame => drop(painter.rect_stroke(square, 1.0, stroke, egui::StrokeKind::Inside)),
         Glyph::Triangle => drop(painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE))),
         Glyph::Outline => drop(painter.add(Shape::closed_line(corners, stroke))),
+        Glyph::Edited => {
+            let tip = centre + vec2(-radius, radius) * 0.9;
+            let end = centre + vec2(radius, -radius) * 0.8;
+            painter.line_segment([tip, end], Stroke::new(theme::OUTLINE * 1.6, colour));
+            painter.line_segment([tip, tip + vec2(radius * 0.9, 0.0)], stroke);
+        }
+        Glyph::Detach => {
+            let lower = Rect::from_min_max(square.min + vec2(0.0, radius * 0.7), square.max - vec2(radius * 0.7, 0.0));
+            painter.rect_stroke(lower, 1.0, stroke, egui::StrokeKind::Inside);
+            let corner = square.right_top();
+            painter.line_segment([square.center(), corner], stroke);
+            painter.line_segment([corner, corner + vec2(-radius * 0.8, 0.0)], stroke);
+            painter.line_segment([corner, corner + vec2(0.0, radius * 0.8)], stroke);
+        }
         Glyph::Cross => {
             let half = vec2(radius, radius) * 0.8;
             painter.line_segment([centre - half, centre + half], stroke);
@@ -65,6 +98,21 @@ pub fn paint_glyph(painter: &Painter, glyph: Glyph, centre: Pos2, size: f32, col
 pub fn glyph(ui: &mut Ui, glyph: Glyph, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(theme::GLYPH, theme::CONTROL_HEIGHT), Sense::hover());
     paint_glyph(ui.painter(), glyph, rect.center(), theme::GLYPH, colour);
+    response
+}
+
+/// A button that is a mark; `name` is for those who cannot see it.
+pub fn glyph_button(ui: &mut Ui, glyph: Glyph, name: &str, enabled: bool) -> Response {
+    let sense = if enabled { Sense::click() } else { Sense::hover() };
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(theme::CONTROL_HEIGHT), sense);
+    let visuals = *ui.style().interact(&response);
+    if response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
+    }
+    let palette = theme::palette(ui);
+    let colour = if enabled { palette.text } else { palette.old };
+    paint_glyph(ui.painter(), glyph, rect.center(), theme::GLYPH, colour);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
     response
 }
 

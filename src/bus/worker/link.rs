@@ -90,6 +90,7 @@ impl Worker {
         self.reading = None;
         self.line = None;
         self.watches.clear();
+        self.repeats.clear();
         self.options.clear();
         self.identified.clear();
     }

@@ -1,6 +1,6 @@
 //! The bus thread: takes commands, decides what is asked next, and tells what came of it.
 //!
-//! Order of urgency: writes, then reads and other single requests, then polls, then the scan, which gets its turn after
+//! Order of urgency: writes, actions that are repeated, then reads and other single requests, then polls, then the scan, which gets its turn after
 //! each poll so that neither starves the other. Between any two questions of a read or poll, commands are looked at
 //! again, so that a write waits for one exchange at most.
 
@@ -15,6 +15,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
 use super::message::{BusCommand, BusEvent, RequestId};
+use super::repeat::Repeats;
 use super::scan::Scan;
 use super::target::Target;
 use super::watch::Watches;
@@ -38,6 +39,7 @@ pub struct Worker {
     /// The read or poll under way.
     reading: Option<Reading>,
     watches: Watches,
+    repeats: Repeats,
     scan: Option<(RequestId, Scan)>,
     /// Which optional parts a module has, asked once.
     options: HashMap<Target, Vec<String>>,
@@ -63,6 +65,7 @@ impl Worker {
             queue: Queue::default(),
             reading: None,
             watches: Watches::default(),
+            repeats: Repeats::default(),
             scan: None,
             options: HashMap::new(),
             identified: HashSet::new(),
@@ -73,19 +76,33 @@ impl Worker {
         while !self.ended {
             self.take_commands();
             self.reopen();
-            if let Some(command) = self.queue.urgent() {
-                self.carry_out(command);
-            } else if self.reading.is_some() {
-                self.read_on();
-            } else if let Some(command) = self.queue.next() {
-                self.carry_out(command);
-            } else if !self.poll() & !self.scan_step() {
+            if !self.work() {
                 self.announce();
                 self.wait();
             }
             self.tell_statistics();
             self.announce();
         }
+    }
+
+    /// Does the most urgent thing that there is to do. False if there is none.
+    fn work(&mut self) -> bool {
+        if let Some(command) = self.queue.urgent() {
+            self.carry_out(command);
+            return true;
+        }
+        if self.repeat() {
+            return true;
+        }
+        if self.reading.is_some() {
+            self.read_on();
+            return true;
+        }
+        if let Some(command) = self.queue.next() {
+            self.carry_out(command);
+            return true;
+        }
+        self.poll() | self.scan_step()
     }
 
     /// Puts what has arrived into the queue, without waiting.
@@ -106,6 +123,7 @@ impl Worker {
         match command {
             BusCommand::CancelScan => self.cancel_scans(),
             BusCommand::Unwatch { target } => self.unwatch(&target),
+            BusCommand::StopRepeating { target, action } => self.stop_repeating(&target, &action),
             BusCommand::PauseScan(paused) if !self.queue.has_scan() => self.pause_scan(paused),
             other => self.queue.push(other),
         }
@@ -115,8 +133,9 @@ impl Worker {
     fn wait(&mut self) {
         let open = self.line.as_ref().is_some_and(OpenLine::is_there);
         let poll = self.watches.next_due().filter(|_| open);
+        let repeat = self.repeats.next_due().filter(|_| open);
         let line = self.line.as_ref().map(OpenLine::next_look);
-        let received = match [poll, line].into_iter().flatten().min() {
+        let received = match [poll, repeat, line].into_iter().flatten().min() {
             Some(until) => self.commands.recv_timeout(until.saturating_duration_since(Instant::now())),
             None => self.commands.recv().map_err(|_| RecvTimeoutError::Disconnected),
         };

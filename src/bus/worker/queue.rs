@@ -15,7 +15,7 @@ pub struct Queue {
 impl Queue {
     pub fn push(&mut self, command: BusCommand) {
         let wall = |command: &BusCommand| matches!(command, BusCommand::Open { .. } | BusCommand::Close { .. });
-        let urgent = matches!(command, BusCommand::Write { .. } | BusCommand::Act { .. });
+        let urgent = matches!(command, BusCommand::Write { .. } | BusCommand::Act { .. } | BusCommand::Repeat { .. });
         if urgent && !self.others.iter().any(wall) {
             self.urgent.push_back(command);
         } else {
@@ -47,6 +47,13 @@ impl Queue {
             _ => true,
         });
         taken
+    }
+
+    /// Forgets repetitions that have not begun.
+    pub fn forget_repeats(&mut self, target: &Target, action: &str) {
+        let meant = |command: &BusCommand| matches!(command, BusCommand::Repeat { target: at, action: known, .. } if at == target && known == action);
+        self.urgent.retain(|command| !meant(command));
+        self.others.retain(|command| !meant(command));
     }
 
     /// Forgets watches of `target` that have not begun.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::super::dialogue::Speaker;
 use super::super::message::{BusCommand, BusEvent, ItemSet, RequestId};
+use super::super::repeat::Repeat;
 use super::super::target::{Patience, Target};
 use super::super::watch::Watch;
 use super::Worker;
@@ -51,13 +52,9 @@ impl Worker {
                 let at = self.timestamp();
                 self.tell(BusEvent::Written { id, target, item, at, result });
             }
-            BusCommand::Act { id, target, definition, action } => {
-                let result = self.change(target, &definition, &action, |speaker| {
-                    let known = definition.action(&action).ok_or_else(|| not_offered(&action, target))?;
-                    run_action(known, target.protocol, target.address, speaker)
-                });
-                let at = self.timestamp();
-                self.tell(BusEvent::Acted { id, target, action, at, result });
+            BusCommand::Act { id, target, definition, action } => self.act(id, target, &definition, action),
+            BusCommand::Repeat { id, target, definition, action, period } => {
+                self.repeats.add(Repeat::new(id, target, definition, action, period));
             }
             BusCommand::Raw { id, request, settings } => {
                 let result = self.dialogue().and_then(|dialogue| {
@@ -67,8 +64,35 @@ impl Worker {
                 self.note_loss(result.as_ref().err().cloned());
                 self.tell(BusEvent::RawAnswer { id, result });
             }
-            BusCommand::PauseScan(_) | BusCommand::CancelScan | BusCommand::Unwatch { .. } => self.take(command),
+            BusCommand::PauseScan(_)
+            | BusCommand::CancelScan
+            | BusCommand::Unwatch { .. }
+            | BusCommand::StopRepeating { .. } => self.take(command),
         }
+    }
+
+    fn act(&mut self, id: RequestId, target: Target, definition: &Arc<Definition>, action: String) {
+        let result = self.change(target, definition, &action, |speaker| {
+            let known = definition.action(&action).ok_or_else(|| not_offered(&action, target))?;
+            run_action(known, target.protocol, target.address, speaker)
+        });
+        let at = self.timestamp();
+        self.tell(BusEvent::Acted { id, target, action, at, result });
+    }
+
+    /// Carries out the repeated action whose time has come. False if there is none.
+    pub(super) fn repeat(&mut self) -> bool {
+        if self.dialogue().is_err() {
+            return false;
+        }
+        let Some(due) = self.repeats.take_due(std::time::Instant::now()) else { return false };
+        self.act(due.id, due.target, &due.definition, due.action);
+        true
+    }
+
+    pub(super) fn stop_repeating(&mut self, target: &Target, action: &str) {
+        self.repeats.remove(target, action);
+        self.queue.forget_repeats(target, action);
     }
 
     fn identify(&mut self, target: Target) -> Result<Identified, Failure> {
@@ -104,6 +128,7 @@ impl Worker {
     /// What is known of a module goes with it to its new address.
     fn follow(&mut self, from: Target, to: Target, model: &str) {
         self.watches.follow(&from, to);
+        self.repeats.follow(&from, to);
         if let Some(options) = self.options.remove(&from) {
             self.options.insert(to, options);
         }
@@ -159,6 +184,7 @@ impl Worker {
         match asked {
             Ok(present) => {
                 self.options.insert(target, present.clone());
+                self.tell(BusEvent::Parts { target, present: present.clone() });
                 present
             }
             Err(failure) => {

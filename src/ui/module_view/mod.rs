@@ -1,5 +1,8 @@
-//! The middle of the window: the module in view.
+//! One module: who it is, its tabs, and the changes that wait to be written.
 
+mod edits_bar;
+mod form;
+mod generic;
 mod identity;
 mod legend;
 mod live_plot;
@@ -8,61 +11,73 @@ mod readings;
 mod scene;
 mod series;
 mod strips;
+mod tabs;
 mod time_axis;
 mod unknown;
 
+use std::collections::BTreeSet;
+
 use eframe::egui::{ScrollArea, Ui};
-use jiff::Timestamp;
 
 pub use series::{Freshness, Series, series_of};
 
 use super::app::Pass;
 use super::dialogs::Dialogs;
-use super::{empty, theme};
-use crate::bench::Module;
+use super::theme;
+use crate::bench::{Action, Module};
 use identity::Polling;
 use live_plot::LivePlot;
-
-/// The inner tabs of a module.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Tab {
-    #[default]
-    Live,
-}
+use tabs::Tab;
 
 /// What the view of a module remembers between frames.
 #[derive(Default)]
 pub struct ModuleView {
-    tab: Tab,
+    /// The tab that is shown, and what the module was asked for since it came into view.
+    shown: Option<Tab>,
+    asked: BTreeSet<String>,
     polling: Polling,
     plot: LivePlot,
 }
 
 impl ModuleView {
-    pub fn show(&mut self, ui: &mut Ui, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
-        let bench = pass.bench;
-        let Some(module) = bench.shown() else { return empty::show(ui, pass) };
+    pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
         if module.definition().is_none() {
             return unknown::show(ui, module, pass, dialogs);
         }
         identity::show(ui, module, pass, &mut self.polling);
+        ui.add_space(theme::UNIT);
+        let tab = tabs::show(ui, module, pass.settings);
+        self.read_what_it_shows(&tab, module, pass.actions);
         ui.add_space(theme::GAP);
-        match self.tab {
-            Tab::Live => self.live(ui, module, pass),
-        }
+        let room = ui.available_height() - edits_bar::HEIGHT - theme::UNIT;
+        ui.scope(|ui| {
+            ui.set_height(room);
+            self.contents(ui, &tab, module, pass);
+        });
+        edits_bar::show(ui, module, pass);
     }
 
-    /// Large readings, and below them their history.
-    fn live(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
-        let series = series_of(module, pass.settings.temperature);
-        let now = Timestamp::now();
-        let room = ui.available_height();
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            let top = ui.cursor().top();
-            readings::show(ui, module, &series, now);
-            ui.add_space(theme::GAP);
-            let used = ui.cursor().top() - top;
-            self.plot.show(ui, module, &series, pass.settings, now, room - used);
+    fn contents(&mut self, ui: &mut Ui, tab: &Tab, module: &Module, pass: &mut Pass<'_>) {
+        ui.push_id(tab.key(), |ui| match tab {
+            Tab::Of(id) => scrolled(ui, |ui| generic::show(ui, id, module, pass, &mut self.plot)),
+            Tab::Commands | Tab::Log | Tab::Summary => {}
         });
     }
+
+    /// A tab that comes into view asks for what it shows, except for what is polled anyway.
+    fn read_what_it_shows(&mut self, tab: &Tab, module: &Module, actions: &mut Vec<Action>) {
+        if self.shown.as_ref() != Some(tab) {
+            self.shown = Some(tab.clone());
+            self.asked.clear();
+        }
+        let mut ids = tabs::to_read(module, tab);
+        ids.retain(|id| self.asked.insert(id.clone()));
+        if !ids.is_empty() {
+            actions.push(Action::Read(module.target, ids));
+        }
+    }
+}
+
+fn scrolled(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, contents);
 }

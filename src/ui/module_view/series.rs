@@ -6,12 +6,12 @@ use std::time::Duration;
 use eframe::egui::Color32;
 use jiff::Timestamp;
 
-use crate::bench::{Module, Reading};
+use crate::bench::{Module, Reading, SwitchKind};
 use crate::module::{Definition, Item, Kind, Value};
 use crate::protocol::Failure;
 use crate::record::Trend;
 use crate::ui::settings::TemperatureUnit;
-use crate::ui::theme::Palette;
+use crate::ui::theme::{self, Palette};
 use crate::ui::widgets::Glyph;
 use crate::ui::words;
 
@@ -25,10 +25,7 @@ const FRESH_AT_LEAST: Duration = Duration::from_secs(3);
 pub enum Family {
     /// A number, by its place among the numbers of the module.
     Number(usize),
-    Motion,
-    Output,
-    Sound,
-    Alarm,
+    Switch(SwitchKind),
 }
 
 /// How much a value is worth.
@@ -57,20 +54,15 @@ pub struct Series<'a> {
 pub fn series_of(module: &Module, unit: TemperatureUnit) -> Vec<Series<'_>> {
     let Some(definition) = module.definition() else { return Vec::new() };
     let items = definition.live_items(module.target.protocol);
-    let shown = items.filter(|item| is_there(module, item) && is_chosen(definition, item, unit));
+    let shown = items.filter(|item| module.has(item) && is_chosen(definition, item, unit));
     let (numbers, switches): (Vec<&Item>, Vec<&Item>) =
         shown.partition(|item| matches!(item.kind, Kind::Number { .. }));
     let numbers = numbers.into_iter().enumerate().map(|(index, item)| (item, Family::Number(index)));
-    let switches = switches.into_iter().map(|item| (item, family_of(&item.id)));
+    let switches = switches.into_iter().map(|item| (item, Family::Switch(SwitchKind::of(&item.id))));
     let mut series: Vec<Series<'_>> =
         numbers.chain(switches).map(|(item, family)| Series::new(module, item, family)).collect();
     series.sort_by_key(|series| series.family);
     series
-}
-
-/// An optional part counts once the module has answered for it.
-fn is_there(module: &Module, item: &Item) -> bool {
-    item.optional.is_none() || module.readings.contains_key(&item.id)
 }
 
 /// Of a pair in both temperature units only one is shown; what exists in one unit is shown in that.
@@ -81,16 +73,6 @@ fn is_chosen(definition: &Arc<Definition>, item: &Item, unit: TemperatureUnit) -
     };
     let twin = item.id.strip_suffix(unwanted).map(|stem| format!("{stem}{wanted}"));
     twin.is_none_or(|twin| definition.item(&twin).is_none())
-}
-
-/// By the public names, which every definition shares.
-fn family_of(id: &str) -> Family {
-    match id {
-        _ if id.starts_with("pir") => Family::Motion,
-        _ if id.starts_with("alarm") || id.ends_with("tripped") => Family::Alarm,
-        _ if id.starts_with("buzzer") => Family::Sound,
-        _ => Family::Output,
-    }
 }
 
 impl<'a> Series<'a> {
@@ -111,10 +93,7 @@ impl<'a> Series<'a> {
                 let all = palette.series;
                 all.get(index % all.len()).copied().unwrap_or(palette.text)
             }
-            Family::Motion => palette.motion,
-            Family::Output => palette.output,
-            Family::Sound => palette.sound,
-            Family::Alarm => palette.alarm,
+            Family::Switch(kind) => theme::switch_colour(palette, kind),
         }
     }
 
@@ -122,23 +101,22 @@ impl<'a> Series<'a> {
     pub fn glyph(&self, on: Option<bool>) -> Glyph {
         match (self.family, on) {
             (_, None) => Glyph::Dashes,
-            (Family::Alarm, Some(true)) => Glyph::Triangle,
-            (Family::Alarm, Some(false)) => Glyph::Outline,
-            (Family::Output, Some(true)) => Glyph::Square,
-            (Family::Output, Some(false)) => Glyph::Frame,
-            (_, Some(true)) => Glyph::Disc,
-            (_, Some(false)) => Glyph::Ring,
+            (Family::Switch(kind), Some(on)) => Glyph::of_switch(kind, on),
+            (Family::Number(_), Some(on)) => {
+                if on {
+                    Glyph::Disc
+                } else {
+                    Glyph::Ring
+                }
+            }
         }
     }
 
     /// The value in words; numbers without their unit.
     pub fn word(&self, value: &Value) -> String {
         match (self.family, value.as_bool()) {
-            (_, None) => value.to_string(),
-            (Family::Motion, Some(on)) => if on { "motion" } else { "quiet" }.to_owned(),
-            (Family::Alarm, Some(on)) if self.stem.ends_with("tripped") => if on { "yes" } else { "no" }.to_owned(),
-            (Family::Alarm, Some(on)) => if on { "alarm" } else { "none" }.to_owned(),
-            (_, Some(on)) => if on { "on" } else { "off" }.to_owned(),
+            (Family::Switch(kind), Some(on)) => kind.word(on).to_owned(),
+            _ => self.item.bare_text(value),
         }
     }
 
