@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// Overrides the configuration folder; for tests and portable use.
-const OVERRIDE: &str = "DCON_BENCH_CONFIG";
+pub const OVERRIDE: &str = "DCON_BENCH_CONFIG";
 
 /// The user's configuration folder, whether it exists or not.
 pub fn config() -> Option<PathBuf> {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use dcon_bench::bench::{Action, Bench, LineState, Presence, ScanState};
 use dcon_bench::bus::{Bus, LineAddress};
 use dcon_bench::module::Catalogue;
-use dcon_bench::sim::{ModuleSpec, Pace, Sim};
+use dcon_bench::sim::{ModuleSpec, Pace, Sim, TcpServer};
 use dcon_bench::ui::{App, LineChoice, Settings, Start};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{self, vec2};
@@ -289,6 +289,40 @@ fn a_series_that_is_switched_off_stays_off() {
 }
 
 #[test]
+fn a_recent_host_is_chosen_with_a_click() {
+    let recent_ports = vec!["/dev/no-such-port".to_owned(), "tcp://bench.local:1502".to_owned()];
+    let settings = Settings { line: LineChoice::Simulated, recent_ports, ..Settings::default() };
+    let mut window = window_with(&sim(&[], Pace::Skip), false, settings);
+    click(&mut window, Role::ComboBox, "Line");
+    assert!(shows(&window, "Recent"));
+    click(&mut window, Role::Button, "bench.local:1502");
+    let settings = window.state().settings();
+    assert_eq!((&settings.line, settings.host.as_str()), (&LineChoice::Tcp, "bench.local:1502"));
+    click(&mut window, Role::ComboBox, "Line");
+    click(&mut window, Role::Button, "/dev/no-such-port");
+    assert_eq!(window.state().settings().line, LineChoice::Port("/dev/no-such-port".to_owned()));
+}
+
+#[test]
+fn a_host_that_was_connected_is_remembered_and_one_that_was_not_is_not() {
+    let sim = sim(&["pir-234@1"], Pace::Real);
+    let server = TcpServer::bind(&sim, "127.0.0.1:0".parse().unwrap()).unwrap();
+    let host = server.address().to_string();
+    let settings = Settings { line: LineChoice::Tcp, host: host.clone(), ..Settings::default() };
+    let mut window = window_with(&sim, false, settings);
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "it is remembered", |window| {
+        window.state().settings().recent_ports == [format!("tcp://{host}")]
+    });
+
+    let line = LineChoice::Port("/dev/no-such-port".to_owned());
+    let mut window = window_with(&sim, false, Settings { line, ..Settings::default() });
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "the sentence", |window| shows(window, "There is no port /dev/no-such-port"));
+    assert!(window.state().settings().recent_ports.is_empty());
+}
+
+#[test]
 fn the_demonstration_scans_the_simulated_line_at_once() {
     let sim = sim(&["pir-234@1:modbus_rtu:9600", "pir-130@0xA0:dcon:9600"], Pace::Skip);
     let mut window = window_with(&sim, true, Settings::default());
@@ -343,7 +377,7 @@ fn every_character_of_the_interface_has_its_glyph() {
 /// The code of the window and of what it shows, without comments.
 fn sources() -> Vec<String> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let rooms = ["ui", "ui/module_view", "bench", "bus", "module", "protocol"];
+    let rooms = ["ui", "ui/module_view", "ui/settings", "bench", "bus", "module", "protocol"];
     let files = rooms.iter().flat_map(|room| std::fs::read_dir(root.join(room)).unwrap());
     let texts = files.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "rs"));
     let without_comments =

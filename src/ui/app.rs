@@ -1,6 +1,7 @@
 //! The window as a whole: takes in events, lets each part draw itself, and carries out what was asked for.
 
-use std::time::Duration;
+use std::borrow::Cow;
+use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel};
 
@@ -10,9 +11,9 @@ use super::guard::{Confirm, Guard};
 use super::notices::Notices;
 use super::panes::{Pane, Panes};
 use super::scan_form::ScanForm;
-use super::settings::{LineChoice, Settings};
+use super::settings::{LineChoice, Settings, SettingsFile};
 use super::{connect, module_list, notices, scan_form, status, theme};
-use crate::bench::{Action, Bench};
+use crate::bench::{Action, Bench, LineState, Severity};
 use crate::bus::LineAddress;
 
 /// How often ages are written anew while something is polled.
@@ -52,6 +53,8 @@ pub struct App {
     dialogs: Dialogs,
     /// What was chosen before a demonstration, which is not to be remembered.
     line_before_demo: Option<LineChoice>,
+    /// Where the settings are kept; nowhere in tests.
+    settings_file: Option<SettingsFile>,
 }
 
 impl App {
@@ -70,6 +73,7 @@ impl App {
             notices: Notices::default(),
             dialogs: Dialogs::default(),
             line_before_demo: None,
+            settings_file: None,
         };
         if demo {
             app.line_before_demo = Some(app.settings.line.clone());
@@ -77,6 +81,12 @@ impl App {
             app.bench.apply(action);
         }
         app
+    }
+
+    /// Keeps the settings in `file` from now on.
+    pub fn keeping_settings_in(mut self, file: Option<SettingsFile>) -> Self {
+        self.settings_file = file;
+        self
     }
 
     pub fn bench(&self) -> &Bench {
@@ -102,8 +112,38 @@ impl App {
         &self.settings
     }
 
+    /// What outlives this run: a demonstration's choice of line does not.
+    fn lasting_settings(&self) -> Cow<'_, Settings> {
+        match (&self.settings.line, &self.line_before_demo) {
+            (LineChoice::Simulated, Some(line)) => Cow::Owned(Settings { line: line.clone(), ..self.settings.clone() }),
+            _ => Cow::Borrowed(&self.settings),
+        }
+    }
+
+    /// Looks for changed settings; they are written some seconds later.
+    fn keep_settings(&mut self, ctx: &egui::Context) {
+        let Some(mut file) = self.settings_file.take() else { return };
+        let outcome = file.keep(&self.lasting_settings(), Instant::now());
+        self.settings_file = Some(file);
+        if let Some(text) = outcome.warning {
+            self.bench.apply(Action::Notify(Severity::Warning, text));
+            ctx.request_repaint();
+        }
+        if let Some(wait) = outcome.look_again {
+            ctx.request_repaint_after(wait);
+        }
+    }
+
+    /// Writes changed settings at once; returns what the user has not been told yet.
+    fn keep_settings_now(&mut self) -> Option<String> {
+        let mut file = self.settings_file.take()?;
+        let warning = file.keep_now(&self.lasting_settings());
+        self.settings_file = Some(file);
+        warning
+    }
+
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, line_before_demo: _ } = self;
+        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, .. } = self;
         let palette = theme::palette(ui);
         let (mut confirm, mut closing) = (None, Vec::new());
         let mut pass = Pass { bench, settings, connect, actions, confirm: &mut confirm, closing: &mut closing };
@@ -158,6 +198,9 @@ impl eframe::App for App {
         for (from, to) in self.bench.take_moves() {
             self.panes.follow(from, to);
         }
+        if let LineState::Open { line } = self.bench.line() {
+            self.settings.note_line(line);
+        }
         if self.bench.modules().iter().any(|module| module.interval.is_some()) {
             ctx.request_repaint_after(AGES_EVERY);
         }
@@ -173,14 +216,21 @@ impl eframe::App for App {
         }
         actions.into_iter().for_each(|action| self.apply(action));
         self.ask(ui.ctx());
+        self.keep_settings(ui.ctx());
     }
 
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+    /// The storage is for the window's geometry, which eframe keeps itself.
+    fn save(&mut self, _storage: &mut dyn eframe::Storage) {
         self.settings.layout = self.panes.layout();
-        let mut settings = self.settings.clone();
-        if let (LineChoice::Simulated, Some(line)) = (&settings.line, &self.line_before_demo) {
-            settings.line = line.clone();
+        if let Some(text) = self.keep_settings_now() {
+            self.bench.apply(Action::Notify(Severity::Warning, text));
         }
-        settings.save(storage);
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.settings.layout = self.panes.layout();
+        if let Some(text) = self.keep_settings_now() {
+            log::warn!("{text}");
+        }
     }
 }

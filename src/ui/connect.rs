@@ -4,7 +4,7 @@ use eframe::egui::{self, Align, RichText, TextEdit, Ui};
 
 use super::app::Pass;
 use super::scan_form::ScanForm;
-use super::settings::{self, LineChoice, Settings};
+use super::settings::{self, LineChoice, RecentLine, Settings};
 use super::{theme, widgets, words};
 use crate::bench::{Action, Bench, LineState, ScanState};
 use crate::bus::{LineAddress, PortInfo, ScanPlan, ScanProgress, ScanSummary};
@@ -123,6 +123,7 @@ fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
 }
 
 fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
+    recent(ui, bench, settings);
     widgets::section(ui, "Serial ports");
     if bench.ports().is_empty() {
         widgets::quiet(ui, "None – plug in an adapter and open this list again");
@@ -134,6 +135,39 @@ fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
     widgets::section(ui, "Others");
     choice(ui, settings, LineChoice::Tcp, TCP);
     choice(ui, settings, LineChoice::Simulated, SIMULATED);
+}
+
+/// Lines that were opened before, without the ports that are listed below anyway.
+fn recent(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
+    let listed = |name: &str| bench.ports().iter().any(|port| port.name == name);
+    let is_worth_a_row =
+        |entry: &&String| !matches!(settings::recent_line(entry), RecentLine::Port(name) if listed(name));
+    let entries: Vec<String> = settings.recent_ports.iter().filter(is_worth_a_row).cloned().collect();
+    if entries.is_empty() {
+        return;
+    }
+    widgets::section(ui, "Recent");
+    for entry in &entries {
+        ui.horizontal(|ui| match settings::recent_line(entry) {
+            RecentLine::Port(name) => {
+                choice(ui, settings, LineChoice::Port(name.to_owned()), name);
+                widgets::quiet(ui, "not listed");
+            }
+            RecentLine::Tcp(host) => {
+                recent_host(ui, settings, host);
+                widgets::quiet(ui, TCP);
+            }
+        });
+    }
+}
+
+fn recent_host(ui: &mut Ui, settings: &mut Settings, host: &str) {
+    let chosen = settings.line == LineChoice::Tcp && settings.host.trim() == host;
+    if ui.selectable_label(chosen, host).clicked() {
+        host.clone_into(&mut settings.host);
+        settings.line = LineChoice::Tcp;
+        ui.close();
+    }
 }
 
 /// An entry of the list; a click chooses it and closes the list.

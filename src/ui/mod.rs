@@ -1,5 +1,5 @@
 //! The window. It draws what the bench knows and gives back what the user asks for; ports, bytes and files are not
-//! its business.
+//! its business, but for the file that keeps its own settings.
 //!
 //! `app` puts the parts together, `theme` holds all colours and sizes, `widgets` and `words` serve every part; each
 //! other file is one part of the window.
@@ -29,9 +29,9 @@ use std::time::Duration;
 use eframe::egui::ViewportBuilder;
 
 pub use app::{App, Start};
-pub use settings::{LineChoice, Settings, TemperatureUnit, ThemeChoice};
+pub use settings::{LineChoice, Settings, SettingsFile, TemperatureUnit, ThemeChoice};
 
-use crate::bench::Bench;
+use crate::bench::{Action, Bench, Severity};
 use crate::bus::{Bus, LineAddress};
 use crate::module::Catalogue;
 
@@ -85,7 +85,9 @@ fn start(creation: &eframe::CreationContext<'_>, demo: bool) -> std::io::Result<
     let catalogue = Arc::new(catalogue);
     let ctx = creation.egui_ctx.clone();
     let bus = Bus::start(catalogue.clone(), move || ctx.request_repaint_after(WAKE_AFTER))?;
-    let bench = Bench::new(bus, catalogue, &faulty);
-    let settings = Settings::load(creation.storage);
-    Ok(App::new(&creation.egui_ctx, bench, Start { simulated: LineAddress::demo(), demo, settings }))
+    let mut bench = Bench::new(bus, catalogue, &faulty);
+    let settings::Opened { settings, file, warnings } = settings::open(crate::folders::config().as_deref());
+    warnings.into_iter().for_each(|text| bench.apply(Action::Notify(Severity::Warning, text)));
+    let start = Start { simulated: LineAddress::demo(), demo, settings };
+    Ok(App::new(&creation.egui_ctx, bench, start).keeping_settings_in(file))
 }

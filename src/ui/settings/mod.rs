@@ -1,0 +1,299 @@
+//! What the user chose for the window itself, kept between starts in `settings.toml`.
+//!
+//! Here is what there is to choose and what is valid; `table` turns it into TOML and back, `file` keeps it on the
+//! disk, `menu` changes some of it.
+
+mod file;
+mod menu;
+mod table;
+
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+use eframe::egui::{self, ThemePreference};
+use serde::{Deserialize, Serialize, Serializer};
+
+pub use file::{Opened, SettingsFile, open};
+pub use menu::menu;
+
+use crate::bus::{LineAddress, MODBUS_TCP_PORT};
+use crate::protocol::LineSettings;
+
+/// The span of the plot when the program is new, in seconds.
+const DEFAULT_SPAN: f64 = 60.0;
+/// Shortest and longest span of the plot, in seconds.
+pub const SPANS: RangeInclusive<f64> = 2.0..=86_400.0;
+/// Spans to choose from, in seconds.
+pub const NAMED_SPANS: [f64; 4] = [60.0, 300.0, 900.0, 3_600.0];
+const ZOOMS: RangeInclusive<f32> = 0.5..=3.0;
+/// Lines remembered.
+pub const RECENT_PORTS: usize = 8;
+/// Scripts remembered, and commands remembered.
+pub const HISTORY: usize = 200;
+/// Stands before a host in the list of recent lines, so that no port's name is taken for one.
+const TCP_MARK: &str = "tcp://";
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ThemeChoice {
+    #[default]
+    System,
+    Dark,
+    Light,
+}
+
+impl ThemeChoice {
+    const ALL: [(Self, &'static str); 3] =
+        [(Self::System, "As the system"), (Self::Dark, "Dark"), (Self::Light, "Light")];
+
+    fn preference(self) -> ThemePreference {
+        match self {
+            Self::System => ThemePreference::System,
+            Self::Dark => ThemePreference::Dark,
+            Self::Light => ThemePreference::Light,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TemperatureUnit {
+    #[default]
+    Celsius,
+    Fahrenheit,
+}
+
+impl TemperatureUnit {
+    pub const ALL: [Self; 2] = [Self::Celsius, Self::Fahrenheit];
+
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Celsius => "°C",
+            Self::Fahrenheit => "°F",
+        }
+    }
+}
+
+/// Which line the selector stands at.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LineChoice {
+    /// The first port there is.
+    #[default]
+    FirstPort,
+    Port(String),
+    Tcp,
+    Simulated,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    pub theme: ThemeChoice,
+    #[serde(serialize_with = "in_thousandths")]
+    pub zoom: f32,
+    pub temperature: TemperatureUnit,
+    /// Of the plot, in seconds. Only one of [`NAMED_SPANS`] is kept.
+    pub span: f64,
+    /// Whether the strips of switches are drawn below the plots.
+    pub strips: bool,
+    /// Series that are not drawn, by stem.
+    pub hidden: BTreeSet<String>,
+    pub line: LineChoice,
+    /// A port that the system does not list.
+    pub other_port: String,
+    /// Of Modbus TCP.
+    pub host: String,
+    pub line_settings: LineSettings,
+    /// Lines that were opened, the latest first: a port's name, or a host after `tcp://`. See [`recent_line`].
+    pub recent_ports: Vec<String>,
+    /// Files of scripts, the latest first.
+    pub recent_scripts: Vec<String>,
+    /// Commands that were typed, the latest first, each once.
+    pub command_history: Vec<String>,
+    /// How the window is divided, in the words of whoever divides it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layout: Option<String>,
+    /// The tab of a module that was shown last; empty for the first.
+    pub tab: String,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            theme: ThemeChoice::default(),
+            zoom: 1.0,
+            temperature: TemperatureUnit::default(),
+            span: DEFAULT_SPAN,
+            strips: true,
+            hidden: BTreeSet::new(),
+            line: LineChoice::default(),
+            other_port: String::new(),
+            // The module's own address as it leaves the factory (PIR-234 manual 3.1).
+            host: "192.168.255.1".to_owned(),
+            line_settings: LineSettings::default(),
+            recent_ports: Vec::new(),
+            recent_scripts: Vec::new(),
+            command_history: Vec::new(),
+            layout: None,
+            tab: String::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Puts what is out of range right and says so.
+    fn make_valid(&mut self, warnings: &mut Vec<String>) {
+        if !ZOOMS.contains(&self.zoom) {
+            let nearest = if self.zoom.is_nan() { 1.0 } else { self.zoom.clamp(*ZOOMS.start(), *ZOOMS.end()) };
+            let (least, most) = (ZOOMS.start(), ZOOMS.end());
+            warnings.push(format!("zoom is {}, not within {least} to {most} – {nearest} is used", self.zoom));
+            self.zoom = nearest;
+        }
+        if !self.has_named_span() {
+            let named = NAMED_SPANS.map(|span| span.to_string()).join(", ");
+            warnings.push(format!("span is {}, not one of {named} – {DEFAULT_SPAN} is used", self.span));
+            self.span = DEFAULT_SPAN;
+        }
+        tidy(&mut self.recent_ports, RECENT_PORTS);
+        tidy(&mut self.recent_scripts, HISTORY);
+        tidy(&mut self.command_history, HISTORY);
+    }
+
+    /// A span that was zoomed to belongs to what was looked at then, and is not kept.
+    fn has_named_span(&self) -> bool {
+        NAMED_SPANS.contains(&self.span)
+    }
+
+    /// Puts theme and zoom in force at the start.
+    pub fn apply(&self, ctx: &egui::Context) {
+        ctx.set_theme(self.theme.preference());
+        ctx.set_zoom_factor(self.zoom);
+    }
+
+    /// The keyboard zooms too (Ctrl with plus and minus), so what is in force is looked up.
+    pub fn note_zoom(&mut self, ctx: &egui::Context) {
+        self.zoom = ctx.zoom_factor();
+    }
+
+    /// Remembers a line that was opened. A simulated one is always there and needs no remembering.
+    pub fn note_line(&mut self, line: &LineAddress) {
+        let entry = match line {
+            LineAddress::Serial { port } => port.clone(),
+            LineAddress::Tcp { host, port } => format!("{TCP_MARK}{}", host_text(host, *port)),
+            LineAddress::Simulated { .. } => return,
+        };
+        put_first(&mut self.recent_ports, entry, RECENT_PORTS);
+    }
+
+    pub fn note_script(&mut self, file: impl Into<String>) {
+        put_first(&mut self.recent_scripts, file.into(), HISTORY);
+    }
+
+    pub fn note_command(&mut self, command: impl Into<String>) {
+        put_first(&mut self.command_history, command.into(), HISTORY);
+    }
+}
+
+/// A line that was opened before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecentLine<'a> {
+    Port(&'a str),
+    /// As it is typed: `HOST` or `HOST:PORT`.
+    Tcp(&'a str),
+}
+
+/// What an entry of [`Settings::recent_ports`] means.
+pub fn recent_line(entry: &str) -> RecentLine<'_> {
+    entry.strip_prefix(TCP_MARK).map_or(RecentLine::Port(entry), RecentLine::Tcp)
+}
+
+/// The host as it is typed; the usual port is left out.
+fn host_text(host: &str, port: u16) -> String {
+    match port {
+        MODBUS_TCP_PORT => host.to_owned(),
+        _ if host.contains(':') => format!("[{host}]:{port}"),
+        _ => format!("{host}:{port}"),
+    }
+}
+
+fn put_first(list: &mut Vec<String>, entry: String, limit: usize) {
+    if list.first() == Some(&entry) {
+        return;
+    }
+    list.retain(|other| *other != entry);
+    list.insert(0, entry);
+    tidy(list, limit);
+}
+
+/// At most `limit` entries, each once, none empty.
+fn tidy(list: &mut Vec<String>, limit: usize) {
+    let mut seen = BTreeSet::new();
+    list.retain(|entry| !entry.trim().is_empty() && seen.len() < limit && seen.insert(entry.clone()));
+}
+
+/// So that 1.1 stands in the file as 1.1: what the window computes is not as exact as what a file can hold.
+fn in_thousandths<S: Serializer>(zoom: &f32, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64((f64::from(*zoom) * 1_000.0).round() / 1_000.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_out_of_range_become_valid_and_are_named() {
+        let mut broken = Settings { zoom: f32::NAN, span: f64::INFINITY, ..Settings::default() };
+        let mut warnings = Vec::new();
+        broken.make_valid(&mut warnings);
+        assert_eq!(broken, Settings::default());
+        assert!(warnings[0].starts_with("zoom is NaN") && warnings[1].starts_with("span is inf"), "{warnings:?}");
+        let mut extreme = Settings { zoom: 40.0, span: 0.0, ..Settings::default() };
+        extreme.make_valid(&mut warnings);
+        assert_eq!((extreme.zoom, extreme.span), (3.0, DEFAULT_SPAN));
+        let mut valid = Settings { zoom: 3.0, span: 900.0, ..Settings::default() };
+        warnings.clear();
+        valid.make_valid(&mut warnings);
+        assert_eq!((valid.zoom, valid.span, warnings.len()), (3.0, 900.0, 0));
+    }
+
+    #[test]
+    fn the_line_opened_last_stands_first_and_the_ninth_is_forgotten() {
+        let mut settings = Settings::default();
+        for number in 0..9 {
+            settings.note_line(&LineAddress::Serial { port: format!("COM{number}") });
+        }
+        settings.note_line(&LineAddress::Serial { port: "COM4".to_owned() });
+        settings.note_line(&LineAddress::demo());
+        assert_eq!(settings.recent_ports, ["COM4", "COM8", "COM7", "COM6", "COM5", "COM3", "COM2", "COM1"]);
+    }
+
+    #[test]
+    fn a_recent_host_reads_back_as_the_same_line() {
+        for typed in ["192.168.255.1", "bench.local:1502", "fe80::1", "[fe80::1]:1502"] {
+            let line = LineAddress::tcp(typed).unwrap();
+            let mut settings = Settings::default();
+            settings.note_line(&line);
+            let RecentLine::Tcp(text) = recent_line(&settings.recent_ports[0]) else { panic!("{typed} became a port") };
+            assert_eq!(text, typed);
+            assert_eq!(LineAddress::tcp(text).unwrap().to_string(), line.to_string());
+        }
+        let by_path = "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0";
+        assert_eq!(recent_line(by_path), RecentLine::Port(by_path));
+    }
+
+    #[test]
+    fn a_command_typed_again_stands_once_and_two_hundred_are_remembered() {
+        let mut settings = Settings::default();
+        for number in 0..300 {
+            settings.note_command(format!("$01{number}"));
+        }
+        settings.note_command("$01299");
+        settings.note_command("$01150");
+        settings.note_command("  ");
+        assert_eq!(settings.command_history.len(), HISTORY);
+        assert_eq!(settings.command_history[..2], ["$01150", "$01299"]);
+        settings.note_script("warm_up.txt");
+        assert_eq!(settings.recent_scripts, ["warm_up.txt"]);
+    }
+}
