@@ -1,19 +1,26 @@
 //! One module: who it is, its tabs, and the changes that wait to be written.
 
+mod analog;
+mod commands;
+mod configuration;
 mod edits_bar;
 mod form;
 mod generic;
 mod identity;
 mod legend;
 mod live_plot;
+mod log;
 mod number_plot;
+mod pir;
 mod readings;
 mod scene;
 mod series;
 mod strips;
+mod summary;
 mod tabs;
 mod time_axis;
 mod unknown;
+mod watchdog;
 
 use std::collections::BTreeSet;
 
@@ -25,9 +32,16 @@ use super::app::Pass;
 use super::dialogs::Dialogs;
 use super::theme;
 use crate::bench::{Action, Module};
+use analog::Analog;
+use commands::Commands;
+use configuration::Configuration;
 use identity::Polling;
 use live_plot::LivePlot;
+use log::Log;
+use pir::PirRelay;
+use summary::Summary;
 use tabs::Tab;
+use watchdog::Watchdog;
 
 /// What the view of a module remembers between frames.
 #[derive(Default)]
@@ -37,6 +51,13 @@ pub struct ModuleView {
     asked: BTreeSet<String>,
     polling: Polling,
     plot: LivePlot,
+    configuration: Configuration,
+    analog: Analog,
+    pir: PirRelay,
+    watchdog: Watchdog,
+    commands: Commands,
+    log: Log,
+    summary: Summary,
 }
 
 impl ModuleView {
@@ -59,8 +80,16 @@ impl ModuleView {
 
     fn contents(&mut self, ui: &mut Ui, tab: &Tab, module: &Module, pass: &mut Pass<'_>) {
         ui.push_id(tab.key(), |ui| match tab {
-            Tab::Of(id) => scrolled(ui, |ui| generic::show(ui, id, module, pass, &mut self.plot)),
-            Tab::Commands | Tab::Log | Tab::Summary => {}
+            Tab::Of(id) => scrolled(ui, |ui| match id.as_str() {
+                "configuration" => self.configuration.show(ui, module, pass),
+                "ai" => self.analog.show(ui, module, pass),
+                "pir" => self.pir.show(ui, module, pass),
+                "wdt" => self.watchdog.show(ui, module, pass),
+                other => generic::show(ui, other, module, pass, &mut self.plot),
+            }),
+            Tab::Commands => self.commands.show(ui, module, pass),
+            Tab::Log => self.log.show(ui, module, pass),
+            Tab::Summary => self.summary.show(ui, module, pass),
         });
     }
 

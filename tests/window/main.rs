@@ -1,0 +1,4 @@
+//! The real window on a simulated line.
+
+mod general;
+mod harness;
