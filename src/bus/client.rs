@@ -42,6 +42,14 @@ impl Bus {
         Ok(Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread: Some(thread) })
     }
 
+    /// A handle without a thread: whoever holds the other ends plays the bus, at times of its own choice.
+    pub fn detached() -> (Self, Receiver<BusCommand>, SyncSender<BusEvent>) {
+        let (commands, command_queue) = mpsc::sync_channel(COMMAND_ROOM);
+        let (event_queue, events) = mpsc::sync_channel(EVENT_ROOM);
+        let bus = Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread: None };
+        (bus, command_queue, event_queue)
+    }
+
     /// A number that no other request has.
     pub fn next_id(&self) -> RequestId {
         RequestId(self.next_id.fetch_add(1, Ordering::Relaxed))
