@@ -20,6 +20,7 @@ pub mod bench;
 pub mod bus;
 pub mod cli;
 pub mod folders;
+pub mod mimic;
 pub mod module;
 pub mod protocol;
 pub mod record;

@@ -292,6 +292,9 @@ fn wrong_usage_ends_with_2() {
         (&["set", "--tcp", "localhost:1", "--address", "1", "checksum=on"], "not offered over Modbus TCP"),
         (&["simulate", "pir-999@1"], "pir-130, pir-230"),
         (&["simulate", "pir-234"], "MODEL@ADDRESS"),
+        (&["simulate", "pir-999@1"], "unknown, dl-302"),
+        (&["simulate", "dl-302@165:hardware"], "DIP switches"),
+        (&["simulate", "no/such.toml@1"], "no/such.toml"),
         (&["simulate", "--tcp", "nowhere"], "127.0.0.1:1502"),
     ] {
         let said = bad(2, args);
@@ -460,6 +463,52 @@ mod on_a_serial_line {
         assert_eq!(good_on(&port, "watch --address 1 --interval 0 --count 1").lines().count(), 1);
         assert_eq!(good_on(&port, "action --address 1 clear_alarm"), "clear_alarm: done\n");
         assert!(good_on(&port, "send --modbus 010301E00004").contains("\nreceived  01 03 08 0B 28 "));
+    }
+
+    #[test]
+    fn a_module_from_a_definition_file_is_simulated_found_and_changed() {
+        let config = TempDir::new().unwrap();
+        let folder = config.path().join("modules");
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = folder.join("tm-1.toml");
+        std::fs::write(&file, include_str!("vectors/tm-1.toml")).unwrap();
+        let by_path = format!("{}@7:modbus_rtu:19200", file.display());
+        let (_simulator, port) = Running::simulate(&[&by_path, "dl-302@0x21:dcon:9600"]);
+        let run = |words: &str| {
+            let args: Vec<&str> = words.split(' ').chain(["--port", &port]).collect();
+            let output = command(config.path(), &args).output().unwrap();
+            assert_eq!(output.status.code(), Some(0), "{words}: {}", text(&output.stderr));
+            text(&output.stdout)
+        };
+        let found = run("scan --addresses 7,33 --baud-rates 9600,19200 --json");
+        let mut models: Vec<String> = found
+            .lines()
+            .map(|line| serde_json::from_str::<Value>(line).unwrap()["model"].as_str().unwrap().to_owned())
+            .collect();
+        models.sort();
+        assert_eq!(models, ["dl-302", "tm-1"]);
+        assert_eq!(run("get --address 7 --baud-rate 19200 gain --json"), "{\"gain\":10}\n");
+        assert_eq!(run("set --address 7 --baud-rate 19200 filter=50"), "filter: 60 -> 50\n");
+        let there = "--address 33 --protocol dcon";
+        let shown: Value = serde_json::from_str(&run(&format!("show {there} --json"))).unwrap();
+        assert!(shown["readings"]["co2"].is_number() && shown["readings"]["temperature_c"].is_number(), "{shown}");
+        assert_eq!(run(&format!("set {there} co2_alarm=latched")), "co2_alarm: disabled -> latched\n");
+    }
+
+    #[test]
+    fn a_definition_of_the_users_folder_is_simulated_by_its_id() {
+        let config = TempDir::new().unwrap();
+        std::fs::create_dir_all(config.path().join("modules")).unwrap();
+        std::fs::write(config.path().join("modules/tm-1.toml"), include_str!("vectors/tm-1.toml")).unwrap();
+        let mut child = command(config.path(), &["simulate", "tm-1@7"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let mut simulator = Running { child, lines, _config: config };
+        let port = simulator.line().split_once(' ').unwrap().1.to_owned();
+        assert!(good_on(&port, "send --modbus 0703012C0001").contains("\nreceived  07 03 02 00 0A "));
     }
 
     #[test]

@@ -73,6 +73,12 @@ pub fn some_definition(catalogue: &Catalogue, check: impl Fn(&Definition) -> Res
                 names.extend(known.into_iter().filter(|name| !names.contains(name)).collect::<Vec<_>>());
                 Refusal::Unknown { what, name, known: names }
             }
+            // This one has what the other lacks, and so came further.
+            (Some(Refusal::Unknown { name: lacked, known: names, .. }), Refusal::Unknown { what, name, known })
+                if known.contains(&lacked) && !names.contains(&name) =>
+            {
+                Refusal::Unknown { what, name, known }
+            }
             (Some(Refusal::Unknown { .. }), refusal @ Refusal::Refused(_)) => refusal,
             (Some(first), _) => first,
         });

@@ -3,16 +3,18 @@
 use std::net::SocketAddr;
 #[cfg(unix)]
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 
 use clap::Args;
 
 use super::signals::Interrupt;
 use super::stop::Stop;
-use super::{Outcome, output, parse};
+use super::{Outcome, output, parse, session};
+use crate::mimic::{Mimic, MimicSpec, MimicSpecError};
 #[cfg(unix)]
 use crate::sim::PtyServer;
-use crate::sim::{DEMO, ModuleSpec, Pace, Sim, TcpServer};
+use crate::sim::{DEMO, Model, ModuleSpec, Pace, Sim, SpecError, TcpServer};
 
 /// Options of `simulate`.
 #[derive(Debug, Clone, Args)]
@@ -23,16 +25,18 @@ use crate::sim::{DEMO, ModuleSpec, Pace, Sim, TcpServer};
                   is sent at a module's speed, while the data format cannot be seen on it. Where to connect is printed on \
                   standard output: `pty PATH` and `tcp HOST:PORT`.\n\nA module is MODEL@ADDRESS, followed by any of a \
                   protocol (modbus_rtu, dcon), a speed, a data format (n81, n82, e81, o81), checksum, init (DIP 4 ON) and \
-                  hardware (DIP 2 OFF), each after a colon. Models are pir-130, pir-230, pir-234, pir-234-wf and unknown. \
-                  What is left out has its factory value: modbus_rtu:9600:n81. Without any module, those of --demo are \
-                  simulated.",
+                  hardware (DIP 2 OFF), each after a colon. Models are pir-130, pir-230, pir-234, pir-234-wf and unknown, \
+                  the id of any other module definition, or the path of a definition file; a module from a definition \
+                  has no Ethernet and no DIP switches. What is left out has its factory value: modbus_rtu:9600:n81. Without \
+                  any module, those of --demo are simulated.",
     after_help = "Examples:\n  dcon-bench simulate\n  dcon-bench simulate --pty /tmp/line pir-234@1:modbus_rtu:9600 \
-                  pir-130@0xA0:dcon:19200:checksum\n  dcon-bench simulate --tcp 127.0.0.1:1502 pir-234@1"
+                  pir-130@0xA0:dcon:19200:checksum\n  dcon-bench simulate dl-302@0x21:dcon ./my-module.toml@5\n  \
+                  dcon-bench simulate --tcp 127.0.0.1:1502 pir-234@1"
 )]
 pub struct SimulateArgs {
-    /// Modules, such as pir-234@1:modbus_rtu:9600 or pir-130@0xA0:dcon:19200:checksum
+    /// Modules, such as pir-234@1:modbus_rtu:9600 or my-module.toml@0xA0:dcon:19200:checksum
     #[arg(value_name = "MODULE-SPEC")]
-    modules: Vec<ModuleSpec>,
+    modules: Vec<Simulated>,
     /// Make a serial line, and PATH a link to it; without --tcp there is a serial line anyway
     #[cfg(unix)]
     #[arg(long, value_name = "PATH")]
@@ -45,18 +49,62 @@ pub struct SimulateArgs {
     turnaround: Duration,
 }
 
+/// A module of the simulator, or one from a definition.
+#[derive(Debug, Clone)]
+enum Simulated {
+    Pir(ModuleSpec),
+    Mimic(MimicSpec),
+}
+
+impl FromStr for Simulated {
+    type Err = MimicSpecError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.parse() {
+            Ok(spec) => Ok(Self::Pir(spec)),
+            // Of a path, what stands before its first colon or `@` may look like anything.
+            Err(SpecError::UnknownModel { .. } | SpecError::NoAddress(_)) => text.parse().map(Self::Mimic),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+/// The modules from definitions, ready to join a line.
+fn mimics(modules: &[Simulated]) -> Outcome<Vec<(&MimicSpec, Mimic)>> {
+    let specs = modules.iter().filter_map(|module| if let Simulated::Mimic(spec) = module { Some(spec) } else { None });
+    let specs: Vec<&MimicSpec> = specs.collect();
+    if specs.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (catalogue, models) = (session::catalogue(), Model::ALL.map(Model::word));
+    let made = specs.into_iter().map(|spec| {
+        let definition = spec.definition(&catalogue, &models).map_err(|error| Stop::usage(error.to_string()))?;
+        Ok((spec, Mimic::new(definition, spec.placing)))
+    });
+    made.collect()
+}
+
 pub fn run(args: &SimulateArgs) -> Outcome {
     // Caught before anyone can know that there is something to end.
     let interrupt = Interrupt::catch()?;
-    let specs = match args.modules.as_slice() {
+    let specs: Vec<ModuleSpec> = match args.modules.as_slice() {
         [] => DEMO.iter().filter_map(|text| text.parse().ok()).collect(),
-        given => given.to_vec(),
+        given => {
+            let pir = |module: &Simulated| if let Simulated::Pir(spec) = module { Some(spec.clone()) } else { None };
+            given.iter().filter_map(pir).collect()
+        }
     };
+    let mut said: Vec<String> = specs.iter().map(|spec| format!("simulating {spec}")).collect();
+    let mimics = mimics(&args.modules)?;
     let sim = Sim::new(&specs, Pace::Real).with_turnaround(args.turnaround);
+    for (spec, mimic) in mimics {
+        said.push(format!("simulating {spec}"));
+        sim.join(Box::new(mimic));
+    }
     let _serial = serve_serial(args, &sim)?;
     let _tcp = args.tcp.map(|address| serve_tcp(&sim, address, &specs)).transpose()?;
-    for spec in &specs {
-        output::message(&format!("simulating {spec}"));
+    for line in &said {
+        output::message(line);
     }
     interrupt.wait();
     Ok(())

@@ -41,14 +41,8 @@ pub fn read_fields(command: &Command, address: u8, reply: &Reply) -> Result<Fiel
         Reply::Bytes(bytes) => hex::spaced(bytes).replace(' ', ""),
         other => return Err(Failure::UnknownShape { answer: format!("{other:?}") }),
     };
-    let fits = |fields: &Fields| {
-        fields.iter().all(|(name, value)| match command.fields.get(name) {
-            Some(Field::Hex) => value.bytes().all(|byte| byte.is_ascii_hexdigit()),
-            Some(Field::Decimal) => !decimals_of(value).is_empty(),
-            _ => true,
-        })
-    };
-    let found = command.answers.iter().find_map(|answer| answer.read(address, &text).filter(fits));
+    let found =
+        command.answers.iter().find_map(|answer| answer.read(address, &text).filter(|fields| fits(command, fields)));
     let mut fields = found.ok_or(Failure::UnknownShape { answer: text })?;
     for (name, from) in &command.filled_from {
         let value = match from {
@@ -61,6 +55,15 @@ pub fn read_fields(command: &Command, address: u8, reply: &Reply) -> Result<Fiel
         }
     }
     Ok(fields)
+}
+
+/// Whether each field holds what the command declares it to hold.
+pub fn fits(command: &Command, fields: &Fields) -> bool {
+    fields.iter().all(|(name, value)| match command.fields.get(name) {
+        Some(Field::Hex) => value.bytes().all(|byte| byte.is_ascii_hexdigit()),
+        Some(Field::Decimal) => !decimals_of(value).is_empty(),
+        _ => true,
+    })
 }
 
 /// The address that a module keeps: the one it was asked at, except in INIT mode, where it is asked at 00 and only its

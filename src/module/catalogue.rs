@@ -9,10 +9,11 @@ use super::definition::Definition;
 use super::file::File;
 
 /// The definitions that come with the program: file name and text.
-const BUILT_IN: [(&str, &str); 3] = [
+const BUILT_IN: [(&str, &str); 4] = [
     ("pir-130.toml", include_str!("../../assets/modules/pir-130.toml")),
     ("pir-230.toml", include_str!("../../assets/modules/pir-230.toml")),
     ("pir-234.toml", include_str!("../../assets/modules/pir-234.toml")),
+    ("dl-302.toml", include_str!("../../assets/modules/dl-302.toml")),
 ];
 
 /// A definition file that was left out, or that does not do what it seems to.
@@ -166,6 +167,31 @@ fn definition_files(folder: &Path) -> Vec<std::path::PathBuf> {
 
 fn line_of(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|byte| *byte == b'\n').count().saturating_add(1)
+}
+
+/// The definition in the file at `path`, which may be based on a built-in one and need not be in any folder.
+pub fn load_file(path: &Path) -> Result<std::sync::Arc<Definition>, FileError> {
+    let name = path.display().to_string();
+    let unusable = |reason: String| FileError { file: name.clone(), line: None, reason };
+    let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
+    let mut sources: Vec<Source> = Vec::new();
+    for (name, text) in
+        BUILT_IN.map(|(name, text)| (name.to_owned(), text.to_owned())).into_iter().chain([(name.clone(), text)])
+    {
+        let file = toml::from_str::<File>(&text).map_err(|error| FileError {
+            file: name.clone(),
+            line: error.span().map(|span| line_of(&text, span.start)),
+            reason: error.message().to_owned(),
+        })?;
+        sources.push(Source { name, text, file });
+    }
+    let source = sources.last().ok_or_else(|| unusable("it is empty".to_owned()))?;
+    match resolve(source, &sources) {
+        Ok(definition) => Ok(definition.into()),
+        Err(Problem { at, reason }) => {
+            Err(FileError { file: name.clone(), line: Some(line_of(&source.text, at)), reason })
+        }
+    }
 }
 
 /// Copies a definition file into the user's folder, if it is good. Returns the model's id.

@@ -406,7 +406,8 @@ impl Item {
         ValueError::NotAllowed { id: self.id.clone(), given: given.to_owned(), allowed: self.allowed() }
     }
 
-    pub(super) fn parse_any(&self, text: &str) -> Option<Value> {
+    /// Reads a value as [`Item::parse`] does, of read-only items too.
+    pub(crate) fn parse_any(&self, text: &str) -> Option<Value> {
         let text = text.trim();
         match &self.kind {
             Kind::Bool => match text.to_ascii_lowercase().as_str() {

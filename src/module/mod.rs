@@ -4,18 +4,18 @@
 //! and turns questions about parameters into protocol messages and answers into values. It does no I/O with modules:
 //! whoever can hold a conversation passes itself in as [`Ask`].
 
-mod access;
+pub(crate) mod access;
 mod catalogue;
 mod check;
-mod definition;
+pub(crate) mod definition;
 mod file;
 mod identify;
-mod notation;
+pub(crate) mod notation;
 mod read;
 mod value;
-mod write;
+pub(crate) mod write;
 
-pub use catalogue::{Catalogue, FileError, add_file};
+pub use catalogue::{Catalogue, FileError, add_file, load_file};
 pub use definition::{
     Access, Action, Applies, Choice, Command, Definition, Field, Identity, Item, ItemKind, Kind, ModbusPlace, Optional,
 };

@@ -255,7 +255,7 @@ fn own_command<'a>(item: &'a Item, value: &Value) -> Option<&'a Template> {
 }
 
 /// The write's name for the field that the answer calls `field`.
-fn written_field(command: &super::Command, template: &Template, field: &str) -> Option<String> {
+pub(crate) fn written_field(command: &super::Command, template: &Template, field: &str) -> Option<String> {
     let named = template.field_names().find(|name| *name == field).map(str::to_owned);
     named.or_else(|| {
         let mut names = template.field_names();
@@ -266,7 +266,8 @@ fn written_field(command: &super::Command, template: &Template, field: &str) -> 
     })
 }
 
-fn field_text(
+/// The text of the write's field `target` with `value` in it; the other bits keep what `fields` has.
+pub(crate) fn field_text(
     item: &Item,
     access: &CommandAccess,
     width: Option<usize>,
@@ -335,7 +336,13 @@ fn modbus_write(
 }
 
 /// The register word of a raw number, if it fits sixteen bits.
-fn word(item: &Item, access: &ModbusAccess, protocol: Protocol, value: &Value, raw: i64) -> Result<u16, WriteError> {
+pub(crate) fn word(
+    item: &Item,
+    access: &ModbusAccess,
+    protocol: Protocol,
+    value: &Value,
+    raw: i64,
+) -> Result<u16, WriteError> {
     let (low, high) = access.range.unwrap_or(if access.signed { (-32_768, 32_767) } else { (0, 65_535) });
     let in_range = (low..=high).contains(&raw);
     let fits = if access.signed { i16::try_from(raw).ok().map(i16::cast_unsigned) } else { u16::try_from(raw).ok() };

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::DEMO;
 use super::device::Device;
 use super::ethernet::ResetCause;
+use super::guest::Guest;
 use super::line::SimLine;
 use super::settings;
 use super::spec::ModuleSpec;
@@ -31,6 +32,11 @@ impl Sim {
         Self::new(&specs, Pace::Real)
     }
 
+    /// Adds a module that is made elsewhere; it too has been on for a minute when the line begins.
+    pub fn join(&self, guest: Box<dyn Guest>) {
+        self.world().join(guest);
+    }
+
     /// Another adapter on the line, at 9600 N81 at first.
     pub fn line(&self) -> SimLine {
         SimLine::new(self.clone())
@@ -53,11 +59,13 @@ impl Sim {
     /// Switches off and on again: what is stored comes into force.
     pub fn power_cycle(&self, address: u8) {
         self.change(address, |device| device.power_cycle(ResetCause::PowerOn));
+        self.world().seats_at(address).for_each(|seat| seat.guest.power_cycle());
     }
 
     /// DIP 4: in INIT mode speed, format, checksum and protocol can be stored.
     pub fn set_init(&self, address: u8, on: bool) {
         self.change(address, |device| device.comms.init = on);
+        self.world().seats_at(address).for_each(|seat| seat.guest.set_init(on));
     }
 
     /// Freezes the air of a module at this temperature in °C; the module adds its offset.
@@ -78,6 +86,7 @@ impl Sim {
     /// A dead module hears and answers nothing.
     pub fn set_dead(&self, address: u8, dead: bool) {
         self.change(address, |device| device.dead = dead);
+        self.world().seats_at(address).for_each(|seat| seat.dead = dead);
     }
 
     /// The adapter hears itself: every sent byte comes back first.
@@ -105,7 +114,19 @@ impl Sim {
     /// What a module has stored, or shows, by the public name of a parameter or reading, in its public form; nothing
     /// if it has no such.
     pub fn setting(&self, address: u8, name: &str) -> Option<String> {
-        settings::read(self.world().module(address)?, name)
+        let mut world = self.world();
+        match world.module(address) {
+            Some(device) => settings::read(device, name),
+            None => world.seats_at(address).next()?.guest.value(name),
+        }
+    }
+
+    /// Lets every guest at `address` hold or show `value` from now on, in its public form; false if one cannot, or if
+    /// there is none.
+    pub fn set_value(&self, address: u8, name: &str, value: &str) -> bool {
+        let mut world = self.world();
+        let taken: Vec<bool> = world.seats_at(address).map(|seat| seat.guest.set_value(name, value)).collect();
+        !taken.is_empty() && taken.into_iter().all(|taken| taken)
     }
 
     /// Frames heard on the line so far, whether or not a module understood them.

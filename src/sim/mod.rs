@@ -5,7 +5,10 @@
 //!
 //! ```text
 //! SimLine, PtyServer, TcpServer --frame--> World --> Device --> dcon or modbus --> answer
+//!                                                --> Guest  --> answer
 //! ```
+//!
+//! A [`Guest`] is a module that another room brings along.
 
 mod alarm;
 mod climate;
@@ -14,6 +17,7 @@ mod dcon;
 mod device;
 mod ethernet;
 mod faults;
+mod guest;
 mod handle;
 mod identity;
 mod line;
@@ -29,11 +33,12 @@ mod tcp;
 mod watchdog;
 mod world;
 
+pub use guest::Guest;
 pub use handle::Sim;
 pub use line::SimLine;
 #[cfg(unix)]
 pub use pty::PtyServer;
-pub use spec::{MODBUS_ADDRESSES, Model, ModuleSpec, SWITCH_ADDRESSES, SpecError};
+pub use spec::{MODBUS_ADDRESSES, Model, ModuleSpec, Placing, SWITCH_ADDRESSES, SpecError};
 pub use tcp::TcpServer;
 pub use world::Pace;
 

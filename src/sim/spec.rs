@@ -91,31 +91,67 @@ pub enum SpecError {
     NotASwitchAddress(u8),
 }
 
+impl ModuleSpec {
+    /// How it is reached.
+    pub fn placing(&self) -> Placing {
+        let Self { address, protocol, settings, checksum, init, hardware, .. } = *self;
+        Placing { address, protocol, settings, checksum, init, hardware }
+    }
+}
+
+/// What stands behind the `@` of a specification: how a simulated module is reached when it is switched on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Placing {
+    pub address: u8,
+    pub protocol: Protocol,
+    pub settings: LineSettings,
+    pub checksum: bool,
+    pub init: bool,
+    pub hardware: bool,
+}
+
 impl FromStr for ModuleSpec {
     type Err = SpecError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let mut words = text.trim().split(':');
-        let head = words.next().unwrap_or_default();
-        let (model, address) = head.split_once('@').ok_or_else(|| SpecError::NoAddress(head.to_owned()))?;
+        let text = text.trim();
+        let head = text.split(':').next().unwrap_or_default();
+        let (model, _) = head.split_once('@').ok_or_else(|| SpecError::NoAddress(head.to_owned()))?;
         let model = Model::ALL
             .into_iter()
             .find(|known| known.word().eq_ignore_ascii_case(model))
             .ok_or_else(|| SpecError::UnknownModel { word: model.to_owned() })?;
-        let address = read_address(address).ok_or_else(|| SpecError::BadAddress(address.to_owned()))?;
-
-        let mut options = Options::default();
-        for word in words {
-            options.add(word.trim())?;
-        }
-        options.into_spec(model, address)
+        let (_, place) = text.split_once('@').unwrap_or_default();
+        let Placing { address, protocol, settings, checksum, init, hardware } = place.parse()?;
+        Ok(Self { model, address, protocol, settings, checksum, init, hardware })
     }
 }
 
 impl fmt::Display for ModuleSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { model, address, protocol, settings, checksum, init, hardware } = self;
-        write!(f, "{model}@{address}:{protocol}:{}:{}", settings.baud_rate, settings.data_format)?;
+        write!(f, "{}@{}", self.model, self.placing())
+    }
+}
+
+impl FromStr for Placing {
+    type Err = SpecError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut words = text.trim().split(':');
+        let address = words.next().unwrap_or_default();
+        let address = read_address(address).ok_or_else(|| SpecError::BadAddress(address.to_owned()))?;
+        let mut options = Options::default();
+        for word in words {
+            options.add(word.trim())?;
+        }
+        options.placing(address)
+    }
+}
+
+impl fmt::Display for Placing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { address, protocol, settings, checksum, init, hardware } = self;
+        write!(f, "{address}:{protocol}:{}:{}", settings.baud_rate, settings.data_format)?;
         for (present, word) in [(checksum, "checksum"), (init, "init"), (hardware, "hardware")] {
             if *present {
                 write!(f, ":{word}")?;
@@ -156,7 +192,7 @@ impl Options {
         if fresh { Ok(()) } else { Err(SpecError::Repeated(word.to_owned())) }
     }
 
-    fn into_spec(self, model: Model, address: u8) -> Result<ModuleSpec, SpecError> {
+    fn placing(self, address: u8) -> Result<Placing, SpecError> {
         let protocol = self.protocol.unwrap_or(Protocol::ModbusRtu);
         let hardware = self.hardware.is_some();
         if hardware && !SWITCH_ADDRESSES.contains(&address) {
@@ -165,8 +201,7 @@ impl Options {
         if protocol.is_modbus() && !MODBUS_ADDRESSES.contains(&address) {
             return Err(SpecError::NotAModbusAddress(address));
         }
-        Ok(ModuleSpec {
-            model,
+        Ok(Placing {
             address,
             protocol,
             settings: LineSettings {

@@ -6,6 +6,7 @@ use crate::protocol::LineSettings;
 
 use super::device::Device;
 use super::faults::Faults;
+use super::guest::{Guest, Seat};
 use super::spec::ModuleSpec;
 
 /// Modules have been on for a minute when the world begins, so that their start-up times are over.
@@ -57,6 +58,7 @@ pub(super) struct World {
     pub turnaround: Duration,
     pub requests: u64,
     devices: Vec<Device>,
+    seats: Vec<Seat>,
     epoch: Instant,
     skipped: Duration,
 }
@@ -69,6 +71,7 @@ impl World {
             turnaround: Duration::from_millis(5),
             requests: 0,
             devices: specs.iter().map(Device::new).collect(),
+            seats: Vec::new(),
             epoch: Instant::now(),
             skipped: Duration::ZERO,
         };
@@ -100,6 +103,21 @@ impl World {
         for device in &mut self.devices {
             device.advance_to(age);
         }
+        for seat in &mut self.seats {
+            seat.guest.live(age);
+        }
+    }
+
+    /// One more module on the line.
+    pub fn join(&mut self, guest: Box<dyn Guest>) {
+        self.seats.push(Seat { guest, dead: false });
+        self.live(self.now());
+    }
+
+    /// All guests at `address`, up to date.
+    pub fn seats_at(&mut self, address: u8) -> impl Iterator<Item = &mut Seat> {
+        self.live(self.now());
+        self.seats.iter_mut().filter(move |seat| seat.guest.address() == address)
     }
 
     /// All modules at `address`, up to date.
@@ -131,7 +149,12 @@ impl World {
             let bytes = device.hear(frame)?;
             Some(Answer { delay: turnaround.saturating_add(device.comms.response_delay()), bytes })
         });
-        self.faults.on_the_wire(answers.collect())
+        let present = |seat: &&mut Seat| !seat.dead && carrier.matches(seat.guest.settings());
+        let guests = self.seats.iter_mut().filter(present).filter_map(|seat| {
+            let bytes = seat.guest.hear(frame)?;
+            Some(Answer { delay: turnaround.saturating_add(seat.guest.response_delay()), bytes })
+        });
+        self.faults.on_the_wire(answers.chain(guests).collect())
     }
 
     /// The answer of the module with this unit identifier to a Modbus request over Ethernet, if there is one.
