@@ -2,6 +2,7 @@
 //! events from the bus; the window only draws what stands here.
 
 mod actions;
+pub mod console;
 mod events;
 mod module;
 mod notice;
