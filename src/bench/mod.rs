@@ -2,6 +2,7 @@
 //! events from the bus; the window only draws what stands here.
 
 mod actions;
+pub mod console;
 mod edits;
 mod events;
 mod host_ok;

@@ -135,23 +135,18 @@ impl Dialogue {
         }
     }
 
-    /// Sends bytes once and returns the verified answer; empty where nobody answers.
+    /// Sends bytes once and returns the verified answer, also one that refuses; empty where nobody answers.
     pub fn raw(&mut self, request: &RawRequest, window: Duration) -> Result<Vec<u8>, Failure> {
-        let Link::Wire(wire) = &mut self.link else {
-            return Err(Failure::NotOffered("raw frames are for serial lines".to_owned()));
-        };
-        let (frame, expected) = match request {
-            RawRequest::Dcon { text, checksum } => {
-                let from = if text.contains("**") { AnswerFrom::Nobody } else { AnswerFrom::Anyone };
-                (dcon::encode(text, *checksum), dcon_expected(*checksum, &from))
+        let outcome = match (&mut self.link, request) {
+            (Link::Wire(wire), request) => {
+                let (frame, expected) = raw_frame(request);
+                wire.exchange(&frame, &expected, window)
             }
-            RawRequest::ModbusRtu { bytes } => {
-                let address = bytes.first().copied().unwrap_or_default();
-                let expected = if address == 0 { Expected::Nothing } else { Expected::Rtu { address } };
-                (modbus::with_crc(bytes), expected)
+            (Link::Tcp(link), RawRequest::Modbus { bytes }) => link.raw(&self.runtime, bytes, window),
+            (Link::Tcp(_), RawRequest::Dcon { .. }) => {
+                return Err(Failure::NotOffered("DCON commands are for serial lines".to_owned()));
             }
         };
-        let outcome = wire.exchange(&frame, &expected, window);
         self.count(outcome.as_ref().err());
         outcome
     }
@@ -185,6 +180,21 @@ impl Dialogue {
         };
         let count = self.counts.kinds.entry(kind).or_default();
         *count = count.saturating_add(1);
+    }
+}
+
+/// The bytes of a serial line and what may come back on them.
+fn raw_frame(request: &RawRequest) -> (Vec<u8>, Expected) {
+    match request {
+        RawRequest::Dcon { text, checksum } => {
+            let from = if text.contains("**") { AnswerFrom::Nobody } else { AnswerFrom::Anyone };
+            (dcon::encode(text, *checksum), dcon_expected(*checksum, &from))
+        }
+        RawRequest::Modbus { bytes } => {
+            let address = bytes.first().copied().unwrap_or_default();
+            let expected = if address == 0 { Expected::Nothing } else { Expected::Rtu { address } };
+            (modbus::with_crc(bytes), expected)
+        }
     }
 }
 

@@ -36,8 +36,8 @@ pub enum ItemSet {
 pub enum RawRequest {
     /// A DCON command; checksum and CR are added.
     Dcon { text: String, checksum: bool },
-    /// Address, function and data of a Modbus RTU frame; the CRC is added.
-    ModbusRtu { bytes: Vec<u8> },
+    /// Address, function and data of a Modbus request. A serial line adds the CRC, a network line its header.
+    Modbus { bytes: Vec<u8> },
 }
 
 /// Asks the bus thread to do something. Every command is answered by the event named with it.
@@ -140,7 +140,8 @@ pub enum BusEvent {
         at: Timestamp,
         result: Result<(), WriteError>,
     },
-    /// The answer's bytes as they were verified; empty for a broadcast.
+    /// The answer's bytes as they were verified, refusals included: a DCON answer with its checksum and without its CR,
+    /// a Modbus answer from its address on, with its CRC from a serial line. Empty for a broadcast.
     RawAnswer {
         id: RequestId,
         result: Result<Vec<u8>, Failure>,

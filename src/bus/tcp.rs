@@ -13,9 +13,9 @@ use jiff::Timestamp;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::runtime::Runtime;
-use tokio_modbus::Slave;
 use tokio_modbus::client::{Client, Context as ModbusContext, tcp};
 use tokio_modbus::prelude::SlaveContext;
+use tokio_modbus::{ProtocolError, Request, Slave};
 
 use super::codec;
 use super::tap::{Clock, Direction, Frame, Tap};
@@ -25,6 +25,10 @@ use crate::protocol::{Failure, Query, Reply};
 /// a write must not find that out.
 const FRESH: Duration = Duration::from_secs(2);
 const CONNECT_LIMIT: Duration = Duration::from_secs(3);
+/// Address, function and data of the longest request (Modbus application protocol 1.1b3, 4.1).
+const LONGEST_REQUEST: usize = 254;
+/// Transaction, protocol and length; the unit, which is the address, follows.
+const HEADER: usize = 6;
 /// On a network an answer takes longer than on a wire; this is added to every window.
 pub const NETWORK_ALLOWANCE: Duration = Duration::from_millis(800);
 
@@ -40,11 +44,13 @@ pub struct TcpLink {
 struct TimedTap {
     clock: Clock,
     tap: Tap,
+    /// What came since a raw request was sent; `None` while nobody asks for the bytes.
+    heard: Option<Vec<u8>>,
 }
 
 impl TcpLink {
     pub fn connect(runtime: &Runtime, host: &str, port: u16, tap: Tap) -> Result<Self, String> {
-        let tap = Arc::new(Mutex::new(TimedTap { clock: Clock::starting(Instant::now()), tap }));
+        let tap = Arc::new(Mutex::new(TimedTap { clock: Clock::starting(Instant::now()), tap, heard: None }));
         let mut link =
             Self { host: host.to_owned(), port, client: None, tap, answer_time: None, last_used: Instant::now() };
         link.client = Some(link.open(runtime)?);
@@ -90,11 +96,7 @@ impl TcpLink {
 
     fn ask_once(&mut self, runtime: &Runtime, unit: u8, query: &Query, window: Duration) -> Result<Reply, Failure> {
         let request = codec::request_of(query)?;
-        let mut client = match self.client.take() {
-            Some(client) => client,
-            None => self.open(runtime).map_err(Failure::LineLost)?,
-        };
-        client.set_slave(Slave(unit));
+        let mut client = self.take_client(runtime, unit)?;
         let started = Instant::now();
         let answered =
             runtime.block_on(async { tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await });
@@ -111,6 +113,66 @@ impl TcpLink {
             Err(_) => Err(Failure::Silent),
         }
     }
+
+    /// Sends address, function and data once and returns the answer from its address on, exceptions included.
+    pub fn raw(&mut self, runtime: &Runtime, bytes: &[u8], window: Duration) -> Result<Vec<u8>, Failure> {
+        let (unit, request) = match bytes {
+            [unit, function @ 0x01..=0x7F, data @ ..] if bytes.len() <= LONGEST_REQUEST => {
+                (*unit, Request::Custom(*function, data.to_vec().into()))
+            }
+            _ => {
+                let reason =
+                    "a Modbus TCP request is an address, a function from 01 to 7F and at most 252 bytes of data";
+                return Err(Failure::NotOffered(reason.to_owned()));
+            }
+        };
+        if self.last_used.elapsed() > FRESH {
+            self.client = None;
+        }
+        let mut client = self.take_client(runtime, unit)?;
+        let started = Instant::now();
+        self.hear(Some(Vec::new()));
+        let answered =
+            runtime.block_on(async { tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await });
+        let heard = self.hear(None).unwrap_or_default();
+        self.last_used = Instant::now();
+        let failure = match answered {
+            Ok(Err(tokio_modbus::Error::Transport(error))) => failure_of(&error),
+            // The header was that of the request; whether it is the function, the codec cannot tell here: for it one that
+            // it was given as bytes is never one that it knows.
+            Ok(Ok(_) | Err(tokio_modbus::Error::Protocol(ProtocolError::FunctionCodeMismatch { .. })))
+                if answers(&heard, bytes) =>
+            {
+                self.answer_time = Some(started.elapsed());
+                self.client = Some(client);
+                return Ok(heard.get(HEADER..).unwrap_or_default().to_vec());
+            }
+            Ok(_) => Failure::Garbled { reason: "the answer is that to another request".to_owned(), bytes: heard },
+            Err(_) if heard.is_empty() => Failure::Silent,
+            Err(_) => Failure::Cut { bytes: heard },
+        };
+        Err(failure)
+    }
+
+    fn take_client(&mut self, runtime: &Runtime, unit: u8) -> Result<ModbusContext, Failure> {
+        let mut client = match self.client.take() {
+            Some(client) => client,
+            None => self.open(runtime).map_err(Failure::LineLost)?,
+        };
+        client.set_slave(Slave(unit));
+        Ok(client)
+    }
+
+    /// Begins or ends keeping what is received; returns what was kept.
+    fn hear(&self, heard: Option<Vec<u8>>) -> Option<Vec<u8>> {
+        std::mem::replace(&mut self.tap.lock().unwrap_or_else(PoisonError::into_inner).heard, heard)
+    }
+}
+
+/// Whether `frame` is of the module and function of `request`; an exception has the highest bit set.
+fn answers(frame: &[u8], request: &[u8]) -> bool {
+    let (Some([unit, function, ..]), [asked, wanted, ..]) = (frame.get(HEADER..), request) else { return false };
+    unit == asked && function & 0x7F == *wanted
 }
 
 /// A gateway that says so for an absent module: nobody answered.
@@ -170,6 +232,9 @@ impl Tapped {
             return;
         }
         let mut timed = self.tap.lock().unwrap_or_else(PoisonError::into_inner);
+        if let (Direction::Received, Some(heard)) = (direction, &mut timed.heard) {
+            heard.extend(bytes);
+        }
         let at = timed.clock.stamp(Instant::now());
         (timed.tap)(Frame { at, direction, bytes: bytes.to_vec() });
     }

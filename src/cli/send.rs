@@ -17,10 +17,11 @@ use crate::protocol::{Failure, hex, modbus};
     about = "Send one raw frame and show both directions",
     long_about = "Send one raw frame as it is, once, and show the bytes of both directions with the time between them, from \
                   the beginning of the question to the end of the answer. Nothing is checked: also a command that changes \
-                  the module is sent.\n\nA DCON command gets its carriage return, a Modbus RTU frame its CRC. If nothing \
-                  answers, the exit code is 1; a broadcast (~**, Modbus address 0) is not answered.",
+                  the module is sent.\n\nA DCON command gets its carriage return, a Modbus request its CRC, or with --tcp \
+                  its header. If nothing answers, the exit code is 1; a broadcast (~**, Modbus address 0) is not answered.",
     after_help = "Examples:\n  dcon-bench send --port /dev/ttyUSB0 '$01M'\n  dcon-bench send --port COM3 --baud-rate 19200 \
-                  --checksum '$012'\n  dcon-bench send --port COM3 --modbus '01 03 01 E0 00 04'"
+                  --checksum '$012'\n  dcon-bench send --port COM3 --modbus '01 03 01 E0 00 04'\n  \
+                  dcon-bench send --tcp 192.168.255.1 --modbus '01 04 00 00 00 05'"
 )]
 pub struct SendArgs {
     /// A DCON command with its address, such as '$01M'; in a shell it needs quotes
@@ -29,27 +30,31 @@ pub struct SendArgs {
     /// Add the checksum to the command, and expect it in the answer
     #[arg(long, conflicts_with = "modbus")]
     checksum: bool,
-    /// Address, function and data of a Modbus RTU frame in hexadecimal instead
+    /// Address, function and data of a Modbus request in hexadecimal instead
     #[arg(long, group = "frame", value_name = "BYTES", value_parser = modbus_frame)]
-    modbus: Option<RtuFrame>,
+    modbus: Option<ModbusFrame>,
     #[command(flatten)]
     line: LineArgs,
 }
 
 #[derive(Debug, Clone)]
-struct RtuFrame(Vec<u8>);
+struct ModbusFrame(Vec<u8>);
 
-fn modbus_frame(text: &str) -> Result<RtuFrame, String> {
+fn modbus_frame(text: &str) -> Result<ModbusFrame, String> {
     let bytes = hex::parse(text)?;
-    if bytes.len() < 2 { Err("a frame has at least an address and a function".to_owned()) } else { Ok(RtuFrame(bytes)) }
+    if bytes.len() < 2 {
+        Err("a frame has at least an address and a function".to_owned())
+    } else {
+        Ok(ModbusFrame(bytes))
+    }
 }
 
 pub fn run(args: &SendArgs) -> Outcome {
-    if args.line.is_tcp() {
-        return Err(Stop::usage("raw frames are for serial lines: use --port or --demo"));
+    if args.line.is_tcp() && args.modbus.is_none() {
+        return Err(Stop::usage("DCON commands are for serial lines: use --port or --demo, or send --modbus bytes"));
     }
     let request = match (&args.modbus, &args.text) {
-        (Some(RtuFrame(bytes)), _) => RawRequest::ModbusRtu { bytes: bytes.clone() },
+        (Some(ModbusFrame(bytes)), _) => RawRequest::Modbus { bytes: bytes.clone() },
         (None, text) => RawRequest::Dcon { text: text.clone().unwrap_or_default(), checksum: args.checksum },
     };
     let session = Session::open(&args.line, &session::catalogue())?;

@@ -15,12 +15,14 @@ mod read;
 mod value;
 pub(crate) mod write;
 
+pub(crate) use access::raw_of_value;
 pub use catalogue::{Catalogue, FileError, add_file, load_file};
 pub use definition::{
-    Access, Action, Applies, Choice, Command, Definition, Field, Identity, Item, ItemKind, Kind, ModbusPlace, Optional,
+    Access, Action, Applies, Bits, Choice, Command, CommandAccess, Definition, Encoding, Field, FillFrom, Identity,
+    Item, ItemKind, Kind, ModbusPlace, Optional,
 };
 pub use identify::{Identified, identify};
-pub use notation::Template;
+pub use notation::{Fields, Template};
 pub use read::{ReadPlan, ReadRun, present_options, read_items};
 pub use value::{Fixed, Value, ValueError};
 pub use write::{WriteError, check_write, moves_to, run_action, write_item};
