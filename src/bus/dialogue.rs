@@ -147,7 +147,10 @@ impl Dialogue {
             }
             RawRequest::ModbusRtu { bytes } => {
                 let address = bytes.first().copied().unwrap_or_default();
-                let expected = if address == 0 { Expected::Nothing } else { Expected::Rtu { address } };
+                let expected = match address {
+                    0 => Expected::Nothing { protocol: Protocol::ModbusRtu, checksum: false },
+                    address => Expected::Rtu { address },
+                };
                 (modbus::with_crc(bytes), expected)
             }
         };
@@ -190,7 +193,7 @@ impl Dialogue {
 
 fn dcon_expected(checksum: bool, from: &AnswerFrom) -> Expected {
     match from {
-        AnswerFrom::Nobody => Expected::Nothing,
+        AnswerFrom::Nobody => Expected::Nothing { protocol: Protocol::Dcon, checksum },
         from => Expected::Dcon { checksum, from: from.clone() },
     }
 }

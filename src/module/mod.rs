@@ -8,6 +8,7 @@ mod access;
 mod catalogue;
 mod check;
 mod definition;
+mod explain;
 mod file;
 mod identify;
 mod notation;
@@ -19,6 +20,7 @@ pub use catalogue::{Catalogue, FileError, add_file};
 pub use definition::{
     Access, Action, Applies, Choice, Command, Definition, Field, Identity, Item, ItemKind, Kind, ModbusPlace, Optional,
 };
+pub use explain::{Danger, ExplainedField, Explanation, danger, explain};
 pub use identify::{Identified, identify};
 pub use notation::Template;
 pub use read::{ReadPlan, ReadRun, present_options, read_items};
