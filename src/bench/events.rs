@@ -1,7 +1,7 @@
 //! Takes in what the bus tells.
 
-use super::{Bench, FRAMES_KEPT, LineState, Module, ScanState, Severity, Statistics};
-use crate::bus::{BusEvent, Frame, RequestId, ScanSummary, Target};
+use super::{Bench, LineState, Module, ScanState, Severity, Statistics};
+use crate::bus::{BusEvent, RequestId, ScanSummary, Target};
 use crate::module::Identified;
 
 /// Events taken in at once, so that a flood cannot hold up the window; the rest waits for the next frame.
@@ -47,7 +47,7 @@ impl Bench {
             BusEvent::Written { id, target, item, at, result } => self.written(id, target, &item, at, result),
             BusEvent::Acted { id, target, action, at, result } => self.acted(id, target, &action, at, result),
             BusEvent::Identified { id, target, result } => self.identified(id, target, result),
-            BusEvent::Traffic(frame) => self.keep(frame),
+            BusEvent::Traffic(frame) => self.traffic.push(frame),
             BusEvent::Statistics(statistics) => self.statistics = statistics,
             BusEvent::Opened { .. }
             | BusEvent::OpenFailed { .. }
@@ -124,12 +124,5 @@ impl Bench {
         if self.running_scan(id).is_some() {
             self.scan = Some(ScanState::Ended(summary));
         }
-    }
-
-    fn keep(&mut self, frame: Frame) {
-        if self.frames.len() >= FRAMES_KEPT {
-            self.frames.pop_front();
-        }
-        self.frames.push_back(frame);
     }
 }

@@ -11,6 +11,7 @@ mod journal;
 mod module;
 mod notice;
 mod switch_kind;
+pub mod traffic;
 mod writing;
 
 use std::collections::VecDeque;
@@ -27,13 +28,12 @@ pub use journal::{Entry, EntryKind, Journal};
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
 pub use switch_kind::SwitchKind;
+use traffic::{FrameRef, TrafficLog};
 
-use crate::bus::{Bus, Frame, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
-use crate::module::{Catalogue, FileError};
+use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
+use crate::module::{Catalogue, Explanation, FileError};
 use crate::protocol::LineSettings;
 
-/// Frames kept for looking back at.
-const FRAMES_KEPT: usize = 2_000;
 const NOTICES_KEPT: usize = 200;
 /// How often an opened module is polled unless told otherwise.
 pub const DEFAULT_INTERVAL: Duration = Duration::from_secs(1);
@@ -90,7 +90,7 @@ pub struct Bench {
     /// The module in view.
     shown: Option<Target>,
     statistics: Statistics,
-    frames: VecDeque<Frame>,
+    traffic: TrafficLog,
     notices: VecDeque<Notice>,
     /// The guided change of what needs INIT mode.
     init: Option<InitProcedure>,
@@ -112,7 +112,7 @@ impl Bench {
             modules: Vec::new(),
             shown: None,
             statistics: Statistics::default(),
-            frames: VecDeque::new(),
+            traffic: TrafficLog::default(),
             notices: VecDeque::new(),
             init: None,
             moves: Vec::new(),
@@ -186,9 +186,21 @@ impl Bench {
         &self.statistics
     }
 
-    /// The last frames on the line, oldest first.
-    pub fn frames(&self) -> impl DoubleEndedIterator<Item = &Frame> {
-        self.frames.iter()
+    /// What passed the line.
+    pub fn traffic(&self) -> &TrafficLog {
+        &self.traffic
+    }
+
+    pub fn clear_traffic(&mut self) {
+        self.traffic.clear();
+    }
+
+    /// What a frame means, by the definition of the module that was found at its address.
+    pub fn explain_frame(&self, frame: &FrameRef<'_>, request: Option<&FrameRef<'_>>) -> Explanation {
+        let at =
+            |module: &&Module| Some(module.target.address) == frame.address && module.target.protocol == frame.protocol;
+        let definition = self.modules.iter().find(at).and_then(Module::definition);
+        traffic::explain_frame(frame, request, definition.map(|definition| &**definition))
     }
 
     /// What the user should know, oldest first.

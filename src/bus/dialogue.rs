@@ -192,7 +192,10 @@ fn raw_frame(request: &RawRequest) -> (Vec<u8>, Expected) {
         }
         RawRequest::Modbus { bytes } => {
             let address = bytes.first().copied().unwrap_or_default();
-            let expected = if address == 0 { Expected::Nothing } else { Expected::Rtu { address } };
+            let expected = match address {
+                0 => Expected::Nothing { protocol: Protocol::ModbusRtu, checksum: false },
+                address => Expected::Rtu { address },
+            };
             (modbus::with_crc(bytes), expected)
         }
     }
@@ -200,7 +203,7 @@ fn raw_frame(request: &RawRequest) -> (Vec<u8>, Expected) {
 
 fn dcon_expected(checksum: bool, from: &AnswerFrom) -> Expected {
     match from {
-        AnswerFrom::Nobody => Expected::Nothing,
+        AnswerFrom::Nobody => Expected::Nothing { protocol: Protocol::Dcon, checksum },
         from => Expected::Dcon { checksum, from: from.clone() },
     }
 }

@@ -1,7 +1,7 @@
 //! Decides what bytes that came back on a request are: the answer, an echo, noise, or not enough yet. Pure.
 
 use crate::protocol::modbus::{self, AnswerLength};
-use crate::protocol::{AnswerFrom, Failure, dcon};
+use crate::protocol::{AnswerFrom, Failure, Protocol, dcon};
 
 /// What may come back.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,7 +14,10 @@ pub enum Expected {
         address: u8,
     },
     /// A broadcast: nobody answers.
-    Nothing,
+    Nothing {
+        protocol: Protocol,
+        checksum: bool,
+    },
 }
 
 impl Expected {
@@ -24,6 +27,15 @@ impl Expected {
             Self::Rtu { address } => Some(*address),
             Self::Dcon { from: AnswerFrom::Addresses(addresses), .. } => addresses.first().copied(),
             _ => None,
+        }
+    }
+
+    /// The language of the exchange, and whether it carries DCON checksums.
+    pub fn language(&self) -> (Protocol, bool) {
+        match self {
+            Self::Dcon { checksum, .. } => (Protocol::Dcon, *checksum),
+            Self::Rtu { .. } => (Protocol::ModbusRtu, false),
+            Self::Nothing { protocol, checksum } => (*protocol, *checksum),
         }
     }
 }
@@ -54,7 +66,7 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
     let found = match expected {
         Expected::Dcon { checksum, from } => find_dcon(rest, *checksum, from),
         Expected::Rtu { .. } => find_rtu(request, rest),
-        Expected::Nothing => None,
+        Expected::Nothing { .. } => None,
     };
     match found {
         Some(bytes) => {
@@ -85,7 +97,7 @@ pub fn after_silence(request: &[u8], expected: &Expected, received: &[u8], echoe
     match expected {
         Expected::Rtu { .. } => after_silence_rtu(request, meant, echo),
         Expected::Dcon { checksum, from } => Verdict::Failed(dcon_failure(meant, *checksum, from)),
-        Expected::Nothing => Verdict::Failed(Failure::Silent),
+        Expected::Nothing { .. } => Verdict::Failed(Failure::Silent),
     }
 }
 

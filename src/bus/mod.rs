@@ -27,5 +27,5 @@ pub use message::{BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statisti
 pub use problem::{LineProblem, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};
 pub use serial::{PortInfo, ports};
-pub use tap::{Direction, Frame, Tap};
+pub use tap::{Direction, Frame, Tap, Verdict};
 pub use target::{LineAddress, MODBUS_TCP_PORT, Patience, Target};

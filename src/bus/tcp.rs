@@ -5,7 +5,7 @@
 
 use std::io;
 use std::pin::Pin;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
@@ -18,8 +18,8 @@ use tokio_modbus::prelude::SlaveContext;
 use tokio_modbus::{ProtocolError, Request, Slave};
 
 use super::codec;
-use super::tap::{Clock, Direction, Frame, Tap};
-use crate::protocol::{Failure, Query, Reply};
+use super::tap::{Clock, Exchange, Tap, Verdict};
+use crate::protocol::{Failure, LineSettings, Protocol, Query, Reply};
 
 /// A connection that was idle for longer may have been cut by the module unnoticed (its idle timeout is 5 s at least), and
 /// a write must not find that out.
@@ -41,16 +41,72 @@ pub struct TcpLink {
     last_used: Instant,
 }
 
+/// Collects what passes the stream into frames.
 struct TimedTap {
     clock: Clock,
     tap: Tap,
-    /// What came since a raw request was sent; `None` while nobody asks for the bytes.
-    heard: Option<Vec<u8>>,
+    /// The module that is asked.
+    unit: u8,
+    /// When the request was handed over; `None` if none was since the last answer.
+    sent: Option<Instant>,
+    /// What has come back on it, and when the last of it.
+    received: Vec<u8>,
+    last_byte: Instant,
+}
+
+impl TimedTap {
+    fn new(tap: Tap) -> Self {
+        let now = Instant::now();
+        Self { clock: Clock::starting(now), tap, unit: 0, sent: None, received: Vec::new(), last_byte: now }
+    }
+
+    fn exchange(&self) -> Exchange {
+        Exchange {
+            protocol: Protocol::ModbusTcp,
+            settings: LineSettings::default(),
+            address: Some(self.unit),
+            checksum: false,
+        }
+    }
+
+    fn begin(&mut self, unit: u8) {
+        self.unit = unit;
+        self.sent = None;
+        self.received.clear();
+    }
+
+    fn sent(&mut self, bytes: &[u8]) {
+        let now = Instant::now();
+        self.sent = Some(now);
+        let frame = self.exchange().request(self.clock.stamp(now), bytes.to_vec(), Duration::ZERO);
+        (self.tap)(frame);
+    }
+
+    fn received(&mut self, bytes: &[u8]) {
+        self.received.extend_from_slice(bytes);
+        self.last_byte = Instant::now();
+    }
+
+    /// Tells what came back. A gateway's word that nobody answered is a refusal here: the bytes say so.
+    fn end(&mut self, failure: Option<&Failure>) {
+        let Some(sent) = self.sent.take() else { return };
+        let bytes = std::mem::take(&mut self.received);
+        let verdict = match failure {
+            Some(Failure::Silent) if bytes.get(7).is_some_and(|function| function & 0x80 != 0) => Verdict::Refusal,
+            Some(Failure::Silent) if !bytes.is_empty() => Verdict::Broken("the answer was cut short".to_owned()),
+            Some(failure) => self.exchange().verdict(Err(failure)),
+            None => Verdict::Answer,
+        };
+        let ended = if bytes.is_empty() { Instant::now() } else { self.last_byte };
+        let took = ended.saturating_duration_since(sent);
+        let frame = self.exchange().answer(self.clock.stamp(ended), bytes, took, verdict);
+        (self.tap)(frame);
+    }
 }
 
 impl TcpLink {
     pub fn connect(runtime: &Runtime, host: &str, port: u16, tap: Tap) -> Result<Self, String> {
-        let tap = Arc::new(Mutex::new(TimedTap { clock: Clock::starting(Instant::now()), tap, heard: None }));
+        let tap = Arc::new(Mutex::new(TimedTap::new(tap)));
         let mut link =
             Self { host: host.to_owned(), port, client: None, tap, answer_time: None, last_used: Instant::now() };
         link.client = Some(link.open(runtime)?);
@@ -58,7 +114,11 @@ impl TcpLink {
     }
 
     pub fn timestamp(&self) -> Timestamp {
-        self.tap.lock().unwrap_or_else(PoisonError::into_inner).clock.stamp(Instant::now())
+        self.tap().clock.stamp(Instant::now())
+    }
+
+    fn tap(&self) -> MutexGuard<'_, TimedTap> {
+        self.tap.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub fn answer_time(&self) -> Option<Duration> {
@@ -100,7 +160,7 @@ impl TcpLink {
         let started = Instant::now();
         let answered =
             runtime.block_on(async { tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await });
-        match answered {
+        let reply = match answered {
             Ok(Err(tokio_modbus::Error::Transport(error))) => Err(failure_of(&error)),
             Ok(answered) => {
                 self.answer_time = Some(started.elapsed());
@@ -111,7 +171,9 @@ impl TcpLink {
                 reply
             }
             Err(_) => Err(Failure::Silent),
-        }
+        };
+        self.tap().end(reply.as_ref().err());
+        reply
     }
 
     /// Sends address, function and data once and returns the answer from its address on, exceptions included.
@@ -131,13 +193,12 @@ impl TcpLink {
         }
         let mut client = self.take_client(runtime, unit)?;
         let started = Instant::now();
-        self.hear(Some(Vec::new()));
         let answered =
             runtime.block_on(async { tokio::time::timeout(window + NETWORK_ALLOWANCE, client.call(request)).await });
-        let heard = self.hear(None).unwrap_or_default();
+        let heard = self.tap().received.clone();
         self.last_used = Instant::now();
-        let failure = match answered {
-            Ok(Err(tokio_modbus::Error::Transport(error))) => failure_of(&error),
+        let outcome = match answered {
+            Ok(Err(tokio_modbus::Error::Transport(error))) => Err(failure_of(&error)),
             // The header was that of the request; whether it is the function, the codec cannot tell here: for it one that
             // it was given as bytes is never one that it knows.
             Ok(Ok(_) | Err(tokio_modbus::Error::Protocol(ProtocolError::FunctionCodeMismatch { .. })))
@@ -145,13 +206,14 @@ impl TcpLink {
             {
                 self.answer_time = Some(started.elapsed());
                 self.client = Some(client);
-                return Ok(heard.get(HEADER..).unwrap_or_default().to_vec());
+                Ok(heard.get(HEADER..).unwrap_or_default().to_vec())
             }
-            Ok(_) => Failure::Garbled { reason: "the answer is that to another request".to_owned(), bytes: heard },
-            Err(_) if heard.is_empty() => Failure::Silent,
-            Err(_) => Failure::Cut { bytes: heard },
+            Ok(_) => Err(Failure::Garbled { reason: "the answer is that to another request".to_owned(), bytes: heard }),
+            Err(_) if heard.is_empty() => Err(Failure::Silent),
+            Err(_) => Err(Failure::Cut { bytes: heard }),
         };
-        Err(failure)
+        self.tap().end(outcome.as_ref().err());
+        outcome
     }
 
     fn take_client(&mut self, runtime: &Runtime, unit: u8) -> Result<ModbusContext, Failure> {
@@ -160,12 +222,8 @@ impl TcpLink {
             None => self.open(runtime).map_err(Failure::LineLost)?,
         };
         client.set_slave(Slave(unit));
+        self.tap().begin(unit);
         Ok(client)
-    }
-
-    /// Begins or ends keeping what is received; returns what was kept.
-    fn hear(&self, heard: Option<Vec<u8>>) -> Option<Vec<u8>> {
-        std::mem::replace(&mut self.tap.lock().unwrap_or_else(PoisonError::into_inner).heard, heard)
     }
 }
 
@@ -227,16 +285,8 @@ impl std::fmt::Debug for TimedTap {
 }
 
 impl Tapped {
-    fn record(&self, direction: Direction, bytes: &[u8]) {
-        if bytes.is_empty() {
-            return;
-        }
-        let mut timed = self.tap.lock().unwrap_or_else(PoisonError::into_inner);
-        if let (Direction::Received, Some(heard)) = (direction, &mut timed.heard) {
-            heard.extend(bytes);
-        }
-        let at = timed.clock.stamp(Instant::now());
-        (timed.tap)(Frame { at, direction, bytes: bytes.to_vec() });
+    fn tap(&self) -> MutexGuard<'_, TimedTap> {
+        self.tap.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -244,7 +294,10 @@ impl AsyncRead for Tapped {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         let before = buffer.filled().len();
         let outcome = Pin::new(&mut self.stream).poll_read(cx, buffer);
-        self.record(Direction::Received, buffer.filled().get(before..).unwrap_or_default());
+        let bytes = buffer.filled().get(before..).unwrap_or_default();
+        if !bytes.is_empty() {
+            self.tap().received(bytes);
+        }
         outcome
     }
 }
@@ -253,7 +306,7 @@ impl AsyncWrite for Tapped {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         let outcome = Pin::new(&mut self.stream).poll_write(cx, bytes);
         if let Poll::Ready(Ok(count)) = outcome {
-            self.record(Direction::Sent, bytes.get(..count).unwrap_or_default());
+            self.tap().sent(bytes.get(..count).unwrap_or_default());
         }
         outcome
     }

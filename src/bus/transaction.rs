@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use super::judge::{self, Expected, Verdict};
 use super::line::{Line, LineLost};
-use super::tap::{Clock, Direction, Frame, Tap};
-use crate::protocol::{Failure, LineSettings};
+use super::tap::{self, Clock, Exchange, Tap};
+use crate::protocol::{AnswerFrom, Failure, LineSettings};
 
 /// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
 pub const SETTLE: Duration = Duration::from_millis(20);
@@ -46,6 +46,18 @@ impl Missed {
     /// Whether an answer to this could be taken for one to `other`.
     fn resembles(self, other: Self) -> bool {
         self.rtu == other.rtu && (self.address == other.address || self.address.is_none() || other.address.is_none())
+    }
+}
+
+/// The module that `request` speaks to; `None` for all of them.
+fn spoken_to(request: &[u8], expected: &Expected) -> Option<u8> {
+    match expected {
+        Expected::Nothing { .. } => None,
+        Expected::Dcon { from: AnswerFrom::Anyone, .. } => {
+            let digits = request.get(1..3).and_then(|digits| std::str::from_utf8(digits).ok())?;
+            u8::from_str_radix(digits, 16).ok()
+        }
+        expected => expected.address(),
     }
 }
 
@@ -146,18 +158,23 @@ impl Wire {
         self.line.purge()?;
         let started = self.line.now();
         self.line.send(request)?;
-        self.record(started, Direction::Sent, request.to_vec());
-        let sent = started + self.settings.wire_time(request.len());
+        let (protocol, checksum) = expected.language();
+        let address = spoken_to(request, expected);
+        let exchange = Exchange { protocol, settings: self.settings, address, checksum };
+        let wire_time = self.settings.wire_time(request.len());
+        (self.tap)(exchange.request(self.clock.stamp(started), request.to_vec(), wire_time));
+        let sent = started + wire_time;
         self.last_activity = sent;
-        if matches!(expected, Expected::Nothing) {
+        if matches!(expected, Expected::Nothing { .. }) {
             self.line.wait_until(sent);
             return Ok(Vec::new());
         }
         let mut received = Vec::new();
         let outcome = self.listen(request, expected, sent, window, &mut received);
-        if !received.is_empty() {
-            self.record(self.last_activity, Direction::Received, received);
-        }
+        let verdict = exchange.verdict(outcome.as_deref());
+        let ended = if verdict == tap::Verdict::Silent { self.line.now() } else { self.last_activity };
+        let took = ended.saturating_duration_since(sent);
+        (self.tap)(exchange.answer(self.clock.stamp(ended), received, took, verdict));
         self.remember(&outcome, Missed::of(expected));
         outcome
     }
@@ -219,7 +236,7 @@ impl Wire {
     /// Waits until a request may be sent without running into anything.
     fn become_quiet(&mut self, expected: &Expected) -> Result<(), LineLost> {
         if self.disturbed {
-            self.settle()?;
+            self.settle(expected)?;
         }
         if let Some((missed, until)) = self.missed
             && missed.resembles(Missed::of(expected))
@@ -233,7 +250,7 @@ impl Wire {
     }
 
     /// Drops everything until the line has been quiet for [`SETTLE`] or 3.5 characters.
-    fn settle(&mut self) -> Result<(), LineLost> {
+    fn settle(&mut self, expected: &Expected) -> Result<(), LineLost> {
         let quiet = SETTLE.max(self.settings.frame_silence());
         let give_up = self.line.now() + MOST_SETTLING;
         let mut buffer = [0; 256];
@@ -252,15 +269,13 @@ impl Wire {
         }
         if !dropped.is_empty() {
             dropped.truncate(MOST_BYTES);
-            self.record(self.last_activity, Direction::Received, dropped);
+            let (protocol, checksum) = expected.language();
+            let nobodys = Exchange { protocol, settings: self.settings, address: None, checksum };
+            let verdict = tap::Verdict::Broken("bytes that belong to no request".to_owned());
+            (self.tap)(nobodys.answer(self.clock.stamp(self.last_activity), dropped, Duration::ZERO, verdict));
         }
         self.disturbed = false;
         Ok(())
-    }
-
-    fn record(&mut self, at: Instant, direction: Direction, bytes: Vec<u8>) {
-        let at = self.clock.stamp(at);
-        (self.tap)(Frame { at, direction, bytes });
     }
 }
 
@@ -270,7 +285,7 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     use super::*;
-    use crate::protocol::{AnswerFrom, hex, modbus};
+    use crate::protocol::{AnswerFrom, Protocol, hex, modbus};
 
     const WINDOW: Duration = Duration::from_millis(60);
     const REQUEST: &[u8] = &[1, 3, 0, 0, 0, 1];
@@ -429,8 +444,9 @@ mod tests {
     #[test]
     fn a_broadcast_waits_for_no_answer() {
         let (mut wire, sent) = wire(&[&[], &[]]);
-        wire.exchange(b"~**\r", &Expected::Nothing, WINDOW).unwrap();
-        wire.exchange(b"~**\r", &Expected::Nothing, WINDOW).unwrap();
+        let broadcast = Expected::Nothing { protocol: Protocol::Dcon, checksum: false };
+        wire.exchange(b"~**\r", &broadcast, WINDOW).unwrap();
+        wire.exchange(b"~**\r", &broadcast, WINDOW).unwrap();
         let sent = sent.lock().unwrap();
         assert_eq!(sent[1] - sent[0], LineSettings::default().wire_time(4));
     }

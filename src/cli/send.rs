@@ -6,7 +6,7 @@ use super::line_args::LineArgs;
 use super::session::{self, Session};
 use super::stop::Stop;
 use super::{Outcome, output};
-use crate::bus::{Direction, Frame, RawRequest};
+use crate::bus::{Direction, Frame, RawRequest, Verdict};
 use crate::protocol::{Failure, hex, modbus};
 
 /// Options of `send`.
@@ -96,6 +96,10 @@ struct Printer {
 
 impl Printer {
     fn print(&mut self, frame: &Frame) {
+        // Told at the end, with what to do about it.
+        if frame.verdict == Verdict::Silent && frame.bytes.is_empty() {
+            return;
+        }
         let (word, after) = match (frame.direction, self.sent) {
             (Direction::Sent, _) => {
                 self.sent = Some(frame.at);
