@@ -22,6 +22,7 @@ pub mod cli;
 pub mod folders;
 pub mod mimic;
 pub mod module;
+pub mod picture;
 pub mod protocol;
 pub mod record;
 pub mod sim;

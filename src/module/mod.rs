@@ -13,6 +13,7 @@ mod file;
 mod identify;
 pub(crate) mod notation;
 mod read;
+mod switches;
 mod value;
 pub(crate) mod write;
 
@@ -26,6 +27,7 @@ pub use explain::{Danger, ExplainedField, Explanation, danger, explain};
 pub use identify::{Identified, identify};
 pub use notation::{Fields, Template};
 pub use read::{ReadPlan, ReadRun, present_options, read_items};
+pub use switches::{BankState, Position, PositionState, RotaryState, SwitchLayout, SwitchPanel};
 pub use value::{Fixed, Value, ValueError};
 pub use write::{WriteError, check_write, moves_to, run_action, write_item};
 
