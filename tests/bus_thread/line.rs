@@ -1,0 +1,104 @@
+//! The line itself: times, traffic, ports that are not there.
+
+use dcon_bench::bus::{Bus, BusCommand, BusEvent, Direction, ItemSet, LineAddress, RawRequest};
+use dcon_bench::module::Catalogue;
+use dcon_bench::protocol::LineSettings;
+use dcon_bench::sim::{Pace, Sim};
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::harness::*;
+
+#[test]
+fn bytes_pass_the_tap_in_order_with_their_times() {
+    let line = Line::open(&["pir-130@2:dcon"]);
+    let id = line.bus.next_id();
+    let request = RawRequest::Dcon { text: "$02M".into(), checksum: false };
+    line.bus.send(BusCommand::Raw { id, request, settings: LineSettings::default() }).expect("room");
+    let mut frames = Vec::new();
+    let answer = line.until(|event| match event {
+        BusEvent::Traffic(frame) => {
+            frames.push(frame.clone());
+            None
+        }
+        BusEvent::RawAnswer { result, .. } => Some(result.clone()),
+        _ => None,
+    });
+    assert_eq!(answer, Ok(b"!02PIR130".to_vec()));
+    let seen: Vec<_> = frames.iter().map(|frame| (frame.direction, frame.bytes.as_slice())).collect();
+    assert_eq!(seen, [(Direction::Sent, &b"$02M\r"[..]), (Direction::Received, &b"!02PIR130\r"[..])]);
+    assert!(frames[0].at < frames[1].at);
+}
+
+#[test]
+fn a_1200_bps_exchange_does_not_time_out() {
+    let line = Line::open(&["pir-234@1:dcon:1200"]);
+    let value = line.read(target("pir-234@1:dcon:1200"), &line.definition("pir-234"), "alarm_limit");
+    assert!(value.is_ok(), "{value:?}");
+}
+
+#[test]
+fn a_port_that_is_not_there_is_told_with_what_to_do() {
+    let bus = Bus::start(Arc::new(Catalogue::built_in().0), || {}).expect("a thread");
+    let id = bus.next_id();
+    let line = LineAddress::Serial { port: "/dev/no-such-port".into() };
+    bus.send(BusCommand::Open { id, line, settings: LineSettings::default() }).expect("room");
+    let event = bus.wait_event(LIMIT).expect("a living thread").expect("an event");
+    let BusEvent::OpenFailed { problem, .. } = event else { panic!("{event:?}") };
+    assert!(problem.to_string().contains("There is no port /dev/no-such-port"), "{problem}");
+}
+
+#[cfg(unix)]
+mod through_the_serial_driver {
+    use super::*;
+    use dcon_bench::bus::ProblemKind;
+    use dcon_bench::sim::PtyServer;
+
+    fn bus_on(port: &std::path::Path) -> (Bus, BusEvent) {
+        let bus = Bus::start(Arc::new(Catalogue::built_in().0), || {}).expect("a thread");
+        let line = LineAddress::Serial { port: port.display().to_string() };
+        let id = bus.next_id();
+        bus.send(BusCommand::Open { id, line, settings: LineSettings::default() }).expect("room");
+        let event = bus.wait_event(LIMIT).expect("a living thread").expect("an event");
+        (bus, event)
+    }
+
+    fn simulated(spec: &str) -> Sim {
+        Sim::new(&[spec.parse().expect("a specification")], Pace::Real)
+    }
+
+    #[test]
+    fn a_port_that_another_program_holds_is_told_to_be_busy() {
+        let server = PtyServer::open(&simulated("pir-234@1"), None).expect("a pseudo-terminal");
+        let (_holder, opened) = bus_on(server.path());
+        assert!(matches!(opened, BusEvent::Opened { .. }), "{opened:?}");
+        let (_second, refused) = bus_on(server.path());
+        let BusEvent::OpenFailed { problem, .. } = refused else { panic!("{refused:?}") };
+        assert_eq!(problem.kind, ProblemKind::Busy, "{problem}");
+    }
+
+    #[test]
+    fn a_port_that_vanishes_under_its_name_is_taken_up_again_when_it_returns() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = folder.path().join("adapter");
+        let sim = simulated("pir-234@1:modbus_rtu:9600");
+        let server = PtyServer::open(&sim, Some(&name)).expect("a pseudo-terminal");
+        let (bus, opened) = bus_on(&name);
+        assert!(matches!(opened, BusEvent::Opened { .. }), "{opened:?}");
+        let line = Line { bus, sim: sim.clone(), catalogue: Arc::new(Catalogue::built_in().0) };
+        let (id, target, definition) = (line.bus.next_id(), target("pir-234@1"), line.definition("pir-234"));
+        let interval = Duration::from_millis(20);
+        let watch = BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval };
+        line.bus.send(watch).expect("room");
+        let read = |event: &BusEvent| match event {
+            BusEvent::Read { values, .. } => values.iter().all(|(_, value)| value.is_ok()).then_some(()),
+            _ => None,
+        };
+        line.until(read);
+        drop(server);
+        line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
+        let _returned = PtyServer::open(&sim, Some(&name)).expect("a pseudo-terminal");
+        line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+        line.until(read);
+    }
+}

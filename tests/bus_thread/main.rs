@@ -1,0 +1,10 @@
+//! The bus thread from outside: commands in, events out, on simulated lines.
+
+mod harness;
+mod line;
+mod network;
+mod raw;
+mod repeating;
+mod scanning;
+mod watching;
+mod writing;
