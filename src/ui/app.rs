@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel};
 
+use super::commands::{self, Command};
 use super::connect::Connect;
 use super::dialogs::Dialogs;
 use super::guard::{Confirm, Guard};
@@ -40,6 +41,10 @@ pub struct Pass<'a> {
     pub confirm: &'a mut Option<Confirm>,
     /// Panes that the user wants closed.
     pub closing: &'a mut Vec<Pane>,
+    /// Commands that were chosen or typed; they are carried out when everything is drawn.
+    pub commands: &'a mut Vec<Command>,
+    /// The pane that the user works in: commands and keys are meant for it.
+    pub active: Pane,
 }
 
 pub struct App {
@@ -145,8 +150,18 @@ impl App {
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
         let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, .. } = self;
         let palette = theme::palette(ui);
-        let (mut confirm, mut closing) = (None, Vec::new());
-        let mut pass = Pass { bench, settings, connect, actions, confirm: &mut confirm, closing: &mut closing };
+        let (mut confirm, mut closing, mut commands) = (None, Vec::new(), Vec::new());
+        let mut pass = Pass {
+            bench,
+            settings,
+            connect,
+            actions,
+            confirm: &mut confirm,
+            closing: &mut closing,
+            commands: &mut commands,
+            active: panes.active(),
+        };
+        commands::take_typed(ui.ctx(), pass.commands);
 
         Panel::top("connect").frame(theme::panel_frame(palette)).show(ui, |ui| connect::show(ui, &mut pass, scan_form));
         if scan_form.open {
@@ -168,6 +183,11 @@ impl App {
             .show(ui, |ui| module_list::show(ui, &mut pass));
         CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
         dialogs.show(ui.ctx(), pass.actions);
+        pass.active = panes.active();
+        for command in std::mem::take(pass.commands) {
+            command.carry_out(ui.ctx(), &mut pass, panes);
+            ui.ctx().request_repaint();
+        }
         if let Some(confirm) = confirm {
             guard.confirm(confirm);
         }

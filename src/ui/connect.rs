@@ -87,7 +87,7 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
         } else {
             at_rest(ui, pass);
         }
-        widgets::at_right(ui, |ui| settings::menu(ui, pass.settings));
+        widgets::at_right(ui, |ui| settings::menu(ui, pass));
     });
 }
 

@@ -1,4 +1,4 @@
-//! What the middle of the window says while no module is shown: what is missing, and what to do about it.
+//! What the dashboard says while there is no module: what is missing, and what to do about it.
 
 use eframe::egui::Ui;
 
@@ -11,18 +11,12 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     ui.vertical(|ui| {
         ui.set_max_width(theme::TEXT_WIDTH);
         match pass.bench.scan() {
-            _ if !pass.bench.modules().is_empty() => choose(ui),
             Some(ScanState::Running { .. }) => searching(ui),
             Some(ScanState::Ended(_)) => nothing_found(ui, pass),
             None if pass.connect.line(pass.bench, pass.settings).is_err() => no_port(ui, pass),
             None => not_searched(ui, pass),
         }
     });
-}
-
-fn choose(ui: &mut Ui) {
-    let palette = theme::palette(ui);
-    widgets::empty_state(ui, palette, "Choose a module", &["Click one on the left to see and poll its readings."]);
 }
 
 fn searching(ui: &mut Ui) {

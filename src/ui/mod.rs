@@ -5,14 +5,17 @@
 //! other file is one part of the window.
 
 mod app;
+mod commands;
 mod connect;
 mod dashboard;
+mod dashboard_table;
 mod dialogs;
 mod empty;
 mod guard;
 mod module_list;
 mod module_view;
 mod notices;
+mod pane_tabs;
 mod panes;
 mod picture;
 mod scan_form;

@@ -1,13 +1,14 @@
 //! The modules that were found, with what they last said.
 
-use eframe::egui::{Align, Rect, Role, ScrollArea, Sense, Ui, pos2, vec2};
+use eframe::egui::{Align, Color32, Rect, Role, ScrollArea, Sense, Ui, pos2, vec2};
 
 use super::app::Pass;
 use super::module_view::{Freshness, Series, series_of};
+use super::panes::Pane;
 use super::theme::Palette;
 use super::widgets::{self, Glyph};
 use super::{theme, words};
-use crate::bench::{Action, Module, Presence, ScanState};
+use crate::bench::{Action, LineState, Module, Presence, ScanState};
 use crate::protocol::Failure;
 
 /// How many numbers of a module the list shows.
@@ -17,9 +18,8 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     title(ui, pass);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        let shown = pass.bench.shown().map(|module| module.target);
         for module in pass.bench.modules() {
-            if row(ui, pass, module, shown == Some(module.target)) {
+            if row(ui, pass, module, pass.active == Pane::Module(module.target)) {
                 pass.actions.push(Action::Show(module.target));
             }
         }
@@ -52,16 +52,29 @@ fn hint(ui: &mut Ui, pass: &Pass<'_>) {
     });
 }
 
-/// State as a shape, a colour and a word.
-fn state(module: &Module, palette: &Palette) -> (Glyph, eframe::egui::Color32, &'static str) {
-    match &module.presence {
-        _ if module.definition().is_none() => (Glyph::Dashes, palette.warning, "unknown model"),
-        Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost"),
-        Presence::Silent { .. } => (Glyph::Cross, palette.error, "silent"),
-        Presence::Answering if module.interval.is_some() => (Glyph::Disc, palette.ok, "answering"),
-        Presence::Answering => (Glyph::Ring, palette.ok, "polling paused"),
-        Presence::Found => (Glyph::Ring, palette.quiet, "found, not polled"),
-    }
+/// How a module is: a shape, a colour and a word.
+pub struct State {
+    pub glyph: Glyph,
+    pub colour: Color32,
+    pub word: &'static str,
+    /// Where there is little room.
+    pub short: &'static str,
+}
+
+pub fn state(module: &Module, line: &LineState, palette: &Palette) -> State {
+    let (glyph, colour, word, short) = match &module.presence {
+        _ if module.definition().is_none() => (Glyph::Dashes, palette.warning, "unknown model", "unknown"),
+        _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed", "line closed"),
+        Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost", "line lost"),
+        Presence::Silent { .. } => (Glyph::Cross, palette.error, "silent", "silent"),
+        Presence::Answering if module.interval.is_some() => (Glyph::Disc, palette.ok, "answering", "answering"),
+        Presence::Answering => (Glyph::Ring, palette.ok, "polling paused", "paused"),
+        Presence::Found if module.interval.is_some() => {
+            (Glyph::Ring, palette.quiet, "waiting for its first answer", "waiting")
+        }
+        Presence::Found => (Glyph::Ring, palette.quiet, "found, not polled", "found"),
+    };
+    State { glyph, colour, word, short }
 }
 
 /// Draws a module; true if it was chosen.
@@ -74,7 +87,7 @@ fn row(ui: &mut Ui, pass: &Pass<'_>, module: &Module, shown: bool) -> bool {
     } else if response.hovered() || response.has_focus() {
         ui.painter().rect_filled(rect, 0.0, palette.raised);
     }
-    let (glyph, colour, word) = state(module, palette);
+    let State { glyph, colour, word, .. } = state(module, pass.bench.line(), palette);
     let inside = rect.shrink(theme::ROW_MARGIN);
     let [first, second, third] = thirds(inside);
     let mark = pos2(inside.left() + theme::GLYPH / 2.0, first.center().y);

@@ -3,17 +3,18 @@
 
 use std::collections::BTreeMap;
 
-use eframe::egui::{self, CentralPanel, Id, Ui, ViewportBuilder, ViewportId, WidgetText};
-use egui_tiles::{Behavior, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
+use eframe::egui::{self, CentralPanel, Id, Panel, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
+use egui_tiles::{ContainerKind, Tile, TileId, Tree};
 use serde::{Deserialize, Serialize};
 
 use super::app::Pass;
+use super::commands;
 use super::dashboard::Dashboard;
 use super::dialogs::Dialogs;
 use super::module_view::ModuleView;
+use super::pane_tabs::Tabs;
 use super::traffic::TrafficView;
-use super::widgets::{self, Glyph};
-use super::{theme, words};
+use super::{theme, widgets, words};
 use crate::bench::Bench;
 use crate::bus::Target;
 
@@ -30,11 +31,13 @@ pub enum Pane {
 struct Layout {
     tree: Tree<Pane>,
     windows: Vec<Pane>,
+    #[serde(default)]
+    active: Option<Pane>,
 }
 
 /// What the contents of the panes remember between frames.
 #[derive(Default)]
-struct Views {
+pub(super) struct Views {
     modules: BTreeMap<Target, ModuleView>,
     traffic: TrafficView,
     dashboard: Dashboard,
@@ -45,20 +48,39 @@ pub struct Panes {
     /// Panes in windows of their own.
     windows: Vec<Pane>,
     views: Views,
-    /// The pane that the user looked at last.
+    /// The pane that the user works in.
     active: Pane,
+    /// What had the focus in the last frame.
+    focused: Option<Id>,
+    /// A window that is to come to the front.
+    to_front: Option<ViewportId>,
+    /// The pane whose own window had the keyboard in the last frame.
+    in_front: Option<Pane>,
 }
 
 /// What the tabs ask for while they are drawn.
-enum Wish {
+pub(super) enum Wish {
     Close(Pane),
-    OwnWindow(Pane),
+    /// In a window of its own.
+    Window(Pane),
+    /// Back from there.
+    Tab(Pane),
     Open(Pane),
+    /// Side by side with the others, or back among them.
+    Beside(Pane),
 }
 
 impl Default for Panes {
     fn default() -> Self {
-        Self { tree: new_tree(), windows: Vec::new(), views: Views::default(), active: Pane::Dashboard }
+        Self {
+            tree: new_tree(),
+            windows: Vec::new(),
+            views: Views::default(),
+            active: Pane::Dashboard,
+            focused: None,
+            to_front: None,
+            in_front: None,
+        }
     }
 }
 
@@ -69,33 +91,38 @@ fn new_tree() -> Tree<Pane> {
 impl Panes {
     /// The layout that [`Self::layout`] gave, or the first one if it cannot be read.
     pub fn from_layout(text: &str) -> Self {
-        let layout: Option<Layout> = serde_json::from_str(text).ok();
-        match layout {
-            Some(Layout { tree, windows }) if !tree.is_empty() => Self { tree, windows, ..Self::default() },
-            _ => Self::default(),
-        }
+        let Ok(Layout { tree, mut windows, active }) = serde_json::from_str(text) else { return Self::default() };
+        windows.retain(|pane| tree.tiles.find_pane(pane).is_none());
+        windows.sort_unstable();
+        windows.dedup();
+        let active = active.unwrap_or(Pane::Dashboard);
+        Self { tree, windows, active, ..Self::default() }
     }
 
     pub fn layout(&self) -> Option<String> {
-        serde_json::to_string(&Layout { tree: self.tree.clone(), windows: self.windows.clone() })
-            .map_err(|error| log::warn!("the layout cannot be kept: {error}"))
-            .ok()
+        let layout = Layout { tree: self.tree.clone(), windows: self.windows.clone(), active: Some(self.active) };
+        serde_json::to_string(&layout).map_err(|error| log::warn!("the layout cannot be kept: {error}")).ok()
     }
 
     /// Brings a pane to the front, opening it first if it is not there.
     pub fn open(&mut self, pane: Pane) {
-        self.active = pane;
         if self.windows.contains(&pane) {
-            return;
+            self.to_front = Some(viewport_id(pane));
+        } else {
+            if self.windows.contains(&self.active) {
+                self.to_front = Some(ViewportId::ROOT);
+            }
+            if self.tree.tiles.find_pane(&pane).is_none() {
+                self.insert(pane);
+            }
+            if let Some(tile) = self.tree.tiles.find_pane(&pane) {
+                self.tree.make_active(|id, _| id == tile);
+            }
         }
-        if self.tree.tiles.find_pane(&pane).is_none() {
-            self.insert(pane);
-        }
-        let Some(tile) = self.tree.tiles.find_pane(&pane) else { return };
-        self.tree.make_active(|id, _| id == tile);
+        self.active = pane;
     }
 
-    /// Beside the pane that was looked at last, else beside the dashboard.
+    /// Among the tabs of the pane that was worked in last, else beside the dashboard.
     fn insert(&mut self, pane: Pane) {
         let beside = [self.active, Pane::Dashboard].into_iter().find_map(|pane| self.tree.tiles.find_pane(&pane));
         let container = beside.and_then(|tile| self.tree.tiles.parent_of(tile)).or(self.tree.root);
@@ -116,18 +143,96 @@ impl Panes {
         }
     }
 
+    /// The pane that the user works in.
     pub fn active(&self) -> Pane {
         self.active
     }
 
-    /// Modules whose panes are open, wherever.
-    pub fn modules(&self) -> Vec<Target> {
-        let in_tree = self.tree.tiles.tiles().filter_map(|tile| match tile {
-            Tile::Pane(pane) => Some(*pane),
-            Tile::Container(_) => None,
+    /// Asks the module again for what its pane shows.
+    pub fn read_again(&mut self, target: Target) {
+        if let Some(view) = self.views.modules.get_mut(&target) {
+            view.read_again();
+        }
+    }
+
+    /// Goes to the next pane, or to the one before; after the last comes the first.
+    pub fn step(&mut self, forward: bool) {
+        let all = self.in_order();
+        let index = all.iter().position(|pane| *pane == self.active).unwrap_or_default();
+        let step = if forward { 1 } else { all.len().saturating_sub(1) };
+        if let Some(pane) = all.iter().cycle().nth(index.saturating_add(step)).copied() {
+            self.open(pane);
+        }
+    }
+
+    /// All panes as they stand from left to right, then those in windows of their own.
+    fn in_order(&self) -> Vec<Pane> {
+        let mut panes = Vec::new();
+        let mut waiting: Vec<TileId> = self.tree.root.into_iter().collect();
+        while let Some(tile) = waiting.pop() {
+            match self.tree.tiles.get(tile) {
+                Some(Tile::Pane(pane)) => panes.push(*pane),
+                Some(Tile::Container(container)) => waiting.extend(container.children_vec().into_iter().rev()),
+                None => {}
+            }
+        }
+        panes.extend(&self.windows);
+        panes
+    }
+
+    /// Puts a pane into a window of its own, or back among the tabs.
+    pub fn toggle_window(&mut self, pane: Pane) {
+        if self.windows.contains(&pane) {
+            self.windows.retain(|window| *window != pane);
+        } else {
+            self.close(pane);
+            self.windows.push(pane);
+        }
+        self.open(pane);
+    }
+
+    /// Puts a pane to the right of the tabs among which it stands; one that stands alone goes back among the others.
+    pub fn toggle_beside(&mut self, pane: Pane) {
+        let tiles = &self.tree.tiles;
+        let Some(tile) = tiles.find_pane(&pane) else { return };
+        let Some(tabs) = tiles.parent_of(tile) else { return };
+        if self.stands_alone(pane) {
+            let others = self.in_order().into_iter().filter(|other| *other != pane);
+            let neighbour = others.filter_map(|other| self.tree.tiles.find_pane(&other)).next_back();
+            let Some(home) = neighbour.and_then(|tile| self.tree.tiles.parent_of(tile)) else { return };
+            self.tree.move_tile_to_container(tile, home, usize::MAX, true);
+        } else {
+            self.split(tile, tabs);
+        }
+        self.open(pane);
+    }
+
+    fn stands_alone(&self, pane: Pane) -> bool {
+        let tiles = &self.tree.tiles;
+        let tabs =
+            tiles.find_pane(&pane).and_then(|tile| tiles.parent_of(tile)).and_then(|tabs| tiles.get_container(tabs));
+        tabs.is_none_or(|tabs| tabs.num_children() < 2)
+    }
+
+    /// Takes `tile` out of `tabs` and puts it to the right of them.
+    fn split(&mut self, tile: TileId, tabs: TileId) {
+        let tiles = &mut self.tree.tiles;
+        let row = tiles.parent_of(tabs);
+        let index = row.and_then(|row| tiles.get_container(row)).and_then(|container| {
+            let horizontal = container.kind() == ContainerKind::Horizontal;
+            container.children().position(|child| *child == tabs).filter(|_| horizontal)
         });
-        let all = in_tree.chain(self.windows.iter().copied());
-        all.filter_map(|pane| if let Pane::Module(target) = pane { Some(target) } else { None }).collect()
+        let own = tiles.insert_tab_tile(Vec::new());
+        if let (Some(row), Some(index)) = (row, index) {
+            self.tree.move_tile_to_container(own, row, index.saturating_add(1), true);
+        } else {
+            let both = tiles.insert_horizontal_tile(vec![tabs, own]);
+            match row.and_then(|row| tiles.get_mut(row)) {
+                Some(Tile::Container(container)) => drop(container.replace_child(tabs, both)),
+                _ => self.tree.root = Some(both),
+            }
+        }
+        self.tree.move_tile_to_container(tile, own, 0, true);
     }
 
     /// The module at `from` is at `to` now.
@@ -151,22 +256,45 @@ impl Panes {
     }
 
     pub fn show(&mut self, ui: &mut Ui, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
-        if self.tree.is_empty() {
+        let mut wishes = Vec::new();
+        let focus_moved_to = self.focus_moved_to(ui.ctx());
+        if self.tree.is_empty() && !self.windows.contains(&Pane::Dashboard) {
             self.tree = new_tree();
         }
-        let mut wishes = Vec::new();
+        if self.tree.is_empty() {
+            elsewhere(ui, &mut wishes);
+        }
+        let in_tree = self.in_order().into_iter().filter(|pane| !self.windows.contains(pane));
+        let (alone, others): (Vec<Pane>, Vec<Pane>) = in_tree.partition(|pane| self.stands_alone(*pane));
+        let shared = !others.is_empty();
         let Self { tree, views, active, .. } = self;
-        tree.ui(&mut Tabs { pass, dialogs, views, active, wishes: &mut wishes }, ui);
+        tree.ui(&mut Tabs { pass, dialogs, views, active, wishes: &mut wishes, focus_moved_to, alone, shared }, ui);
         self.show_windows(ui.ctx(), pass, dialogs, &mut wishes);
         for wish in wishes {
             match wish {
                 Wish::Close(pane) => pass.closing.push(pane),
                 Wish::Open(pane) => self.open(pane),
-                Wish::OwnWindow(pane) => {
-                    self.close(pane);
-                    self.windows.push(pane);
-                }
+                Wish::Window(pane) | Wish::Tab(pane) => self.toggle_window(pane),
+                Wish::Beside(pane) => self.toggle_beside(pane),
             }
+        }
+        self.settle();
+    }
+
+    /// Where the focus is, if it was elsewhere in the last frame.
+    fn focus_moved_to(&mut self, ctx: &egui::Context) -> Option<egui::Rect> {
+        let focused = ctx.memory(|memory| memory.focused());
+        let before = std::mem::replace(&mut self.focused, focused);
+        let id = focused.filter(|_| before != focused)?;
+        ctx.read_response(id).map(|response| response.rect)
+    }
+
+    /// The active pane is always one that can be seen.
+    fn settle(&mut self) {
+        let tiles = self.tree.active_tiles();
+        let seen: Vec<Pane> = tiles.iter().filter_map(|tile| self.tree.tiles.get_pane(tile)).copied().collect();
+        if !seen.contains(&self.active) && !self.windows.contains(&self.active) {
+            self.active = seen.first().or(self.windows.first()).copied().unwrap_or(Pane::Dashboard);
         }
     }
 
@@ -177,28 +305,67 @@ impl Panes {
         dialogs: &mut Dialogs,
         wishes: &mut Vec<Wish>,
     ) {
-        let mut back = Vec::new();
-        for pane in &self.windows {
+        if let Some(window) = self.to_front.take() {
+            ctx.send_viewport_cmd_to(window, ViewportCommand::Focus);
+        }
+        let Self { windows, views, active, in_front, .. } = self;
+        let before = in_front.take();
+        for pane in windows.iter().copied() {
+            let name = title(pass.bench, pane);
             let builder = ViewportBuilder::default()
-                .with_title(format!("{} – dcon-bench", title(pass.bench, *pane)))
+                .with_title(format!("{name} – dcon-bench"))
                 .with_inner_size(theme::WINDOW_OWN)
                 .with_min_inner_size(theme::WINDOW_LEAST);
-            let views = &mut self.views;
-            ctx.show_viewport_immediate(ViewportId::from_hash_of(pane_key(*pane)), builder, |ui, _class| {
-                let palette = theme::palette(ui);
-                CentralPanel::default()
-                    .frame(theme::ground_frame(palette))
-                    .show(ui, |ui| views.show(ui, *pane, pass, dialogs, wishes));
-                if ui.input(|input| input.viewport().close_requested()) {
-                    back.push(*pane);
+            ctx.show_viewport_immediate(viewport_id(pane), builder, |ui, class| {
+                let pressed = ui.rect_contains_pointer(ui.max_rect()) && ui.input(|input| input.pointer.any_pressed());
+                let own = class != ViewportClass::EmbeddedWindow;
+                if own && ui.input(|input| input.viewport().focused == Some(true)) {
+                    *in_front = Some(pane);
                 }
+                if pressed || (*in_front == Some(pane) && before != Some(pane)) {
+                    *active = pane;
+                }
+                if own {
+                    commands::take_typed(ui.ctx(), pass.commands);
+                }
+                let closed = own && ui.input(|input| input.viewport().close_requested());
+                if back_button(ui, &name) || closed {
+                    wishes.push(Wish::Tab(pane));
+                }
+                let frame = theme::ground_frame(theme::palette(ui));
+                CentralPanel::default().frame(frame).show(ui, |ui| views.show(ui, pane, pass, dialogs, wishes));
             });
         }
-        for pane in back {
-            self.windows.retain(|window| *window != pane);
-            self.open(pane);
-        }
     }
+}
+
+/// The row above the contents of a window of its own.
+fn back_button(ui: &mut Ui, name: &str) -> bool {
+    let frame = theme::bar_frame(theme::palette(ui));
+    let row = Panel::top("window row").frame(frame).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            widgets::quiet(ui, name);
+            let button = |ui: &mut Ui| ui.button("Back as a tab").clicked();
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), button).inner
+        })
+    });
+    row.inner.inner
+}
+
+/// In the middle of the window while every pane has a window of its own.
+fn elsewhere(ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    let palette = theme::palette(ui);
+    theme::ground_frame(palette).show(ui, |ui| {
+        let lines = ["Close their windows to bring them back as tabs."];
+        widgets::empty_state(ui, palette, "All tabs are in windows of their own", &lines);
+        if ui.button("Bring the dashboard back").clicked() {
+            wishes.push(Wish::Tab(Pane::Dashboard));
+        }
+    });
+}
+
+fn viewport_id(pane: Pane) -> ViewportId {
+    ViewportId::from_hash_of(pane_key(pane))
 }
 
 fn pane_key(pane: Pane) -> String {
@@ -206,7 +373,7 @@ fn pane_key(pane: Pane) -> String {
 }
 
 /// What stands on the tab.
-fn title(bench: &Bench, pane: Pane) -> String {
+pub(super) fn title(bench: &Bench, pane: Pane) -> String {
     match pane {
         Pane::Dashboard => "Dashboard".to_owned(),
         Pane::Traffic => "Traffic".to_owned(),
@@ -218,7 +385,14 @@ fn title(bench: &Bench, pane: Pane) -> String {
 }
 
 impl Views {
-    fn show(&mut self, ui: &mut Ui, pane: Pane, pass: &mut Pass<'_>, dialogs: &mut Dialogs, wishes: &mut Vec<Wish>) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        pane: Pane,
+        pass: &mut Pass<'_>,
+        dialogs: &mut Dialogs,
+        wishes: &mut Vec<Wish>,
+    ) {
         match pane {
             Pane::Dashboard => self.dashboard.show(ui, pass),
             Pane::Traffic => self.traffic.show(ui, pass),
@@ -238,122 +412,5 @@ fn absent(ui: &mut Ui, target: Target, wishes: &mut Vec<Wish>) {
     widgets::empty_state(ui, palette, "Not found on this line yet", &lines);
     if ui.button("Close").clicked() {
         wishes.push(Wish::Close(Pane::Module(target)));
-    }
-}
-
-struct Tabs<'a, 'p> {
-    pass: &'a mut Pass<'p>,
-    dialogs: &'a mut Dialogs,
-    views: &'a mut Views,
-    active: &'a mut Pane,
-    wishes: &'a mut Vec<Wish>,
-}
-
-impl Behavior<Pane> for Tabs<'_, '_> {
-    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
-        let palette = theme::palette(ui);
-        if ui.rect_contains_pointer(ui.max_rect()) && ui.input(|input| input.pointer.any_pressed()) {
-            *self.active = *pane;
-        }
-        theme::ground_frame(palette).show(ui, |ui| {
-            ui.set_min_size(ui.available_size());
-            self.views.show(ui, *pane, self.pass, self.dialogs, self.wishes);
-        });
-        UiResponse::None
-    }
-
-    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
-        title(self.pass.bench, *pane).into()
-    }
-
-    fn is_tab_closable(&self, tiles: &Tiles<Pane>, tile: TileId) -> bool {
-        !matches!(tiles.get_pane(&tile), Some(Pane::Dashboard) | None)
-    }
-
-    fn on_tab_close(&mut self, tiles: &mut Tiles<Pane>, tile: TileId) -> bool {
-        if let Some(pane) = tiles.get_pane(&tile) {
-            self.wishes.push(Wish::Close(*pane));
-        }
-        // Unwritten changes are asked about first.
-        false
-    }
-
-    fn on_tab_button(&mut self, tiles: &mut Tiles<Pane>, tile: TileId, response: egui::Response) -> egui::Response {
-        let Some(pane) = tiles.get_pane(&tile).copied() else { return response };
-        if response.clicked() {
-            *self.active = pane;
-        }
-        response.context_menu(|ui| {
-            if ui.button("Open in a window of its own").clicked() {
-                self.wishes.push(Wish::OwnWindow(pane));
-                ui.close();
-            }
-            if pane != Pane::Dashboard && ui.button("Close").clicked() {
-                self.wishes.push(Wish::Close(pane));
-                ui.close();
-            }
-        });
-        response.on_hover_text("Drag it to the side of another to see both; right click for more")
-    }
-
-    fn top_bar_right_ui(
-        &mut self,
-        tiles: &Tiles<Pane>,
-        ui: &mut Ui,
-        _tile: TileId,
-        tabs: &egui_tiles::Tabs,
-        _: &mut f32,
-    ) {
-        ui.add_space(theme::UNIT);
-        let active = tabs.active.and_then(|tile| tiles.get_pane(&tile)).copied();
-        if let Some(pane) = active {
-            let response = widgets::glyph_button(ui, Glyph::Detach, "Own window", true);
-            if response.on_hover_text("Show this tab in a window of its own").clicked() {
-                self.wishes.push(Wish::OwnWindow(pane));
-            }
-        }
-        if tiles.find_pane(&Pane::Traffic).is_none() && ui.button("Traffic").clicked() {
-            self.wishes.push(Wish::Open(Pane::Traffic));
-        }
-    }
-
-    fn simplification_options(&self) -> SimplificationOptions {
-        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
-    }
-
-    fn tab_bar_height(&self, _style: &egui::Style) -> f32 {
-        theme::TAB_HEIGHT
-    }
-
-    fn tab_bar_color(&self, visuals: &egui::Visuals) -> egui::Color32 {
-        visuals.panel_fill
-    }
-
-    fn tab_bg_color(
-        &self,
-        visuals: &egui::Visuals,
-        _tiles: &Tiles<Pane>,
-        _tile: TileId,
-        state: &egui_tiles::TabState,
-    ) -> egui::Color32 {
-        if state.active { visuals.extreme_bg_color } else { visuals.panel_fill }
-    }
-
-    fn tab_outline_stroke(
-        &self,
-        visuals: &egui::Visuals,
-        _tiles: &Tiles<Pane>,
-        _tile: TileId,
-        state: &egui_tiles::TabState,
-    ) -> egui::Stroke {
-        if state.active { visuals.widgets.noninteractive.bg_stroke } else { egui::Stroke::NONE }
-    }
-
-    fn gap_width(&self, _style: &egui::Style) -> f32 {
-        theme::UNIT
-    }
-
-    fn min_size(&self) -> f32 {
-        theme::PANE_LEAST
     }
 }

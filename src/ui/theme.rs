@@ -223,6 +223,8 @@ pub const WINDOW: [f32; 2] = [1280.0, 800.0];
 pub const WINDOW_OWN: [f32; 2] = [1000.0, 700.0];
 /// Least width and height of a tab's contents.
 pub const PANE_LEAST: f32 = 80.0 * UNIT;
+/// A module in a narrower pane is scrolled sideways.
+pub const MODULE_LEAST: f32 = 170.0 * UNIT;
 pub const TAB_HEIGHT: f32 = 7.0 * UNIT;
 pub const QUESTION_WIDTH: f32 = 110.0 * UNIT;
 pub const WINDOW_LEAST: [f32; 2] = [960.0, 620.0];
@@ -258,6 +260,20 @@ pub const PATH_WIDTH: f32 = 90.0 * UNIT;
 pub const RATE_WIDTH: f32 = 29.0 * UNIT;
 pub const ERRORS_WIDTH: f32 = 20.0 * UNIT;
 pub const ANSWER_WIDTH: f32 = 24.0 * UNIT;
+
+/// The table of all modules: height of a line, and least widths of its columns.
+pub const TABLE_ROW: f32 = 7.0 * UNIT;
+pub const TABLE_STATE: f32 = 22.0 * UNIT;
+pub const TABLE_MODEL: f32 = 14.0 * UNIT;
+pub const TABLE_ADDRESS: f32 = 17.0 * UNIT;
+pub const TABLE_SPOKEN: f32 = 31.0 * UNIT;
+pub const TABLE_NUMBER: f32 = 17.0 * UNIT;
+pub const TABLE_SWITCH: f32 = 16.0 * UNIT;
+pub const TABLE_OUTPUTS: f32 = 23.0 * UNIT;
+pub const TABLE_TIME: f32 = 14.0 * UNIT;
+pub const TABLE_LEAST: f32 = 8.0 * UNIT;
+/// A column of the menu.
+pub const COMMANDS_WIDTH: f32 = 60.0 * UNIT;
 
 /// Marks in text.
 pub const GLYPH: f32 = 3.0 * UNIT;

@@ -146,7 +146,7 @@ pub fn combo<'a>(id: &str, width: f32, chosen: &str) -> egui::ComboBox<'a> {
     egui::ComboBox::from_id_salt(id)
         .width(width)
         .truncate()
-        .icon(|ui, rect, visuals, _| paint_caret(ui.painter(), rect.center(), visuals.text_color()))
+        .icon(|ui, rect, visuals, _| paint_caret(ui.painter(), rect.center(), false, visuals.text_color()))
         .selected_text(chosen.to_owned())
 }
 
@@ -215,16 +215,18 @@ pub fn menu(ui: &mut Ui, text: &str, name: &str, contents: impl FnOnce(&mut Ui))
         let left = rect.left_center() + vec2(theme::GAP, -galley.size().y / 2.0);
         ui.painter().galley(left, galley, visuals.text_color());
     }
-    paint_caret(ui.painter(), rect.right_center() - vec2(theme::GAP + theme::CARET / 2.0, 0.0), visuals.text_color());
+    let caret = rect.right_center() - vec2(theme::GAP + theme::CARET / 2.0, 0.0);
+    paint_caret(ui.painter(), caret, false, visuals.text_color());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, response.enabled(), name));
     egui::Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(contents);
     response
 }
 
-fn paint_caret(painter: &Painter, centre: Pos2, colour: Color32) {
+/// A small triangle that points up or down.
+pub fn paint_caret(painter: &Painter, centre: Pos2, up: bool, colour: Color32) {
     let half = theme::CARET / 2.0;
-    let corners =
-        vec![centre + vec2(-half, -half / 2.0), centre + vec2(half, -half / 2.0), centre + vec2(0.0, half / 2.0)];
+    let tip = if up { -half / 2.0 } else { half / 2.0 };
+    let corners = vec![centre + vec2(-half, -tip), centre + vec2(half, -tip), centre + vec2(0.0, tip)];
     painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
 }
 

@@ -1,4 +1,6 @@
 //! The real window on a simulated line.
 
+mod dashboard;
 mod general;
 mod harness;
+mod panes;

@@ -5,6 +5,7 @@ use eframe::egui::{Button, KeyboardShortcut, Modifiers, RichText, Sense, Ui, vec
 use super::form;
 use crate::bench::{Action, Module};
 use crate::ui::app::Pass;
+use crate::ui::panes::Pane;
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -36,7 +37,8 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
             let shortcut = ui.ctx().format_shortcut(&WRITE_ALL);
             let button = ui.add_enabled(reason.is_none(), Button::new(format!("Write {count}")));
             let button = button.on_disabled_hover_text(reason.clone().unwrap_or_default()).on_hover_text(shortcut);
-            let typed = reason.is_none() && ui.input_mut(|input| input.consume_shortcut(&WRITE_ALL));
+            let meant = reason.is_none() && pass.active == Pane::Module(module.target);
+            let typed = meant && ui.input_mut(|input| input.consume_shortcut(&WRITE_ALL));
             if button.clicked() || typed {
                 form::write(module, pass, &edited);
             }

@@ -26,10 +26,12 @@ use std::collections::BTreeSet;
 
 use eframe::egui::{ScrollArea, Ui};
 
-pub use series::{Freshness, Series, series_of};
+pub use edits_bar::WRITE_ALL;
+pub use series::{Family, Freshness, Series, series_of};
 
 use super::app::Pass;
 use super::dialogs::Dialogs;
+use super::settings::Settings;
 use super::theme;
 use crate::bench::{Action, Module};
 use analog::Analog;
@@ -78,6 +80,11 @@ impl ModuleView {
         edits_bar::show(ui, module, pass);
     }
 
+    /// Asks again for what the tab shows when it is drawn next.
+    pub fn read_again(&mut self) {
+        self.asked.clear();
+    }
+
     fn contents(&mut self, ui: &mut Ui, tab: &Tab, module: &Module, pass: &mut Pass<'_>) {
         ui.push_id(tab.key(), |ui| match tab {
             Tab::Of(id) => scrolled(ui, |ui| match id.as_str() {
@@ -104,6 +111,24 @@ impl ModuleView {
         if !ids.is_empty() {
             actions.push(Action::Read(module.target, ids));
         }
+    }
+}
+
+/// Writes all changes of the module, after a question where one is due.
+pub fn write_all(module: &Module, pass: &mut Pass<'_>) {
+    let edited: Vec<String> = module.edited().into_iter().map(str::to_owned).collect();
+    form::write(module, pass, &edited);
+}
+
+/// Shows the next tab of the module, or the one before; after the last comes the first.
+pub fn turn_page(module: &Module, settings: &mut Settings, forward: bool) {
+    let tabs = tabs::of(module);
+    let shown = tabs::chosen(&tabs, settings);
+    let Some(index) = tabs.iter().position(|tab| Some(tab) == shown) else { return };
+    let step = if forward { 1 } else { tabs.len().saturating_sub(1) };
+    let turned = tabs.iter().cycle().nth(index.saturating_add(step));
+    if let Some(tab) = turned {
+        tab.key().clone_into(&mut settings.tab);
     }
 }
 

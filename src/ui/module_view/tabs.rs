@@ -96,11 +96,16 @@ pub fn to_read(module: &Module, tab: &Tab) -> Vec<String> {
     }
 }
 
+/// The tab that was chosen last, if the module has it; else its readings.
+pub fn chosen<'a>(tabs: &'a [Tab], settings: &Settings) -> Option<&'a Tab> {
+    let by_key = |key: &str| tabs.iter().find(|tab| tab.key() == key);
+    by_key(&settings.tab).or_else(|| by_key("ai")).or(tabs.first())
+}
+
 /// Draws the row of tabs; the one that is chosen.
 pub fn show(ui: &mut Ui, module: &Module, settings: &mut Settings) -> Tab {
     let tabs = of(module);
-    let first = || tabs.iter().find(|tab| tab.key() == "ai").or(tabs.first()).cloned().unwrap_or(Tab::Summary);
-    let mut chosen = tabs.iter().find(|tab| tab.key() == settings.tab).cloned().unwrap_or_else(first);
+    let mut chosen = chosen(&tabs, settings).cloned().unwrap_or(Tab::Summary);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
         for tab in &tabs {

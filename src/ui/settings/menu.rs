@@ -1,44 +1,87 @@
-//! The menu that changes how the window looks.
+//! The menu: every command with its keys, and how the window looks.
 
-use eframe::egui;
+use eframe::egui::{self, Button, Layout, Role, Ui, WidgetInfo, vec2};
 
-use super::{Settings, TemperatureUnit, ThemeChoice, ZOOMS};
-use crate::ui::widgets;
+use super::{TemperatureUnit, ThemeChoice, ZOOMS};
+use crate::ui::app::Pass;
+use crate::ui::commands::{self, Command};
+use crate::ui::{theme, widgets};
 
 const ZOOM_STEP: f32 = 0.1;
 
 /// The menu at the right end of the top row.
-pub fn menu(ui: &mut egui::Ui, settings: &mut Settings) {
-    widgets::menu(ui, "View", "View", |ui| {
-        widgets::section(ui, "Theme");
-        for (choice, name) in ThemeChoice::ALL {
-            if ui.radio_value(&mut settings.theme, choice, name).changed() {
-                ui.ctx().set_theme(choice.preference());
-            }
-        }
-        widgets::section(ui, "Temperatures");
-        for unit in TemperatureUnit::ALL {
-            ui.radio_value(&mut settings.temperature, unit, unit.symbol());
-        }
-        widgets::section(ui, "Size");
-        ui.horizontal(zoom_buttons);
+pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
+    widgets::menu(ui, "Menu", "Menu", |ui| {
+        // Two columns, because one would be higher than a small window.
+        ui.with_layout(Layout::left_to_right(egui::Align::Min), |ui| {
+            column(ui, |ui| {
+                group(ui, pass, "Line", commands::LINE);
+                ui.add_space(theme::GAP);
+                group(ui, pass, "Module in view", commands::MODULE);
+            });
+            ui.add_space(theme::GAP);
+            column(ui, |ui| {
+                group(ui, pass, "Tabs", commands::TABS);
+                ui.add_space(theme::GAP);
+                looks(ui, pass);
+                ui.add_space(theme::GAP);
+                group(ui, pass, "Program", commands::PROGRAM);
+            });
+        });
     });
 }
 
-fn zoom_buttons(ui: &mut egui::Ui) {
-    let zoom = ui.ctx().zoom_factor();
-    let mut wanted = None;
-    if ui.button("Smaller").on_hover_text("Ctrl and minus").clicked() {
-        wanted = Some(zoom - ZOOM_STEP);
+fn column(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    ui.vertical(|ui| {
+        ui.set_width(theme::COMMANDS_WIDTH);
+        ui.spacing_mut().item_spacing.y = 0.0;
+        contents(ui);
+    });
+}
+
+fn group(ui: &mut Ui, pass: &mut Pass<'_>, title: &str, commands: &[Command]) {
+    widgets::section(ui, title);
+    for command in commands {
+        entry(ui, pass, *command);
     }
-    ui.label(format!("{:.0} %", zoom * 100.0));
-    if ui.button("Larger").on_hover_text("Ctrl and plus").clicked() {
-        wanted = Some(zoom + ZOOM_STEP);
+}
+
+/// What the command does, and its keys at the right.
+fn entry(ui: &mut Ui, pass: &mut Pass<'_>, command: Command) {
+    let obstacle = command.obstacle(pass);
+    let keys = command.shortcut().map(|shortcut| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default();
+    let button = Button::selectable(false, command.text())
+        .shortcut_text(keys)
+        .min_size(vec2(ui.available_width(), theme::CONTROL_HEIGHT));
+    let response = ui.add_enabled(obstacle.is_none(), button);
+    response.widget_info(|| WidgetInfo::labeled(Role::MenuItem, obstacle.is_none(), command.text()));
+    let response = response.on_hover_text(command.explanation());
+    if response.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
+        pass.commands.push(command);
+        ui.close();
     }
-    if ui.button("Reset").on_hover_text("Ctrl and 0").clicked() {
-        wanted = Some(1.0);
-    }
-    if let Some(wanted) = wanted {
-        ui.ctx().set_zoom_factor(wanted.clamp(*ZOOMS.start(), *ZOOMS.end()));
-    }
+}
+
+fn looks(ui: &mut Ui, pass: &mut Pass<'_>) {
+    widgets::section(ui, "Theme and temperatures");
+    ui.horizontal(|ui| {
+        for (choice, name) in ThemeChoice::ALL {
+            if ui.radio_value(&mut pass.settings.theme, choice, name).changed() {
+                ui.ctx().set_theme(choice.preference());
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        for unit in TemperatureUnit::ALL {
+            ui.radio_value(&mut pass.settings.temperature, unit, unit.symbol());
+        }
+    });
+    let size = format!("Size  {:.0} %", ui.ctx().zoom_factor() * 100.0);
+    group(ui, pass, &size, commands::SIZE);
+}
+
+/// Makes everything larger by so many steps, or smaller.
+pub fn zoom_by(ctx: &egui::Context, steps: f32) {
+    let wanted = ctx.zoom_factor() + steps * ZOOM_STEP;
+    ctx.set_zoom_factor(wanted.clamp(*ZOOMS.start(), *ZOOMS.end()));
 }

@@ -14,7 +14,7 @@ use eframe::egui::{self, ThemePreference};
 use serde::{Deserialize, Serialize, Serializer};
 
 pub use file::{Opened, SettingsFile, open};
-pub use menu::menu;
+pub use menu::{menu, zoom_by};
 
 use crate::bus::{LineAddress, MODBUS_TCP_PORT};
 use crate::protocol::LineSettings;
