@@ -21,6 +21,7 @@ pub mod bus;
 pub mod cli;
 pub mod folders;
 pub mod module;
+pub mod picture;
 pub mod protocol;
 pub mod record;
 pub mod sim;

@@ -10,6 +10,7 @@ use super::definition::{
 };
 use super::file;
 use super::notation::Template;
+use super::switches;
 use super::value::Fixed;
 use crate::protocol::Protocol;
 
@@ -20,7 +21,7 @@ pub struct Problem {
     pub reason: String,
 }
 
-type Checked<T> = Result<T, Problem>;
+pub(super) type Checked<T> = Result<T, Problem>;
 
 /// Says of which entry a reason is.
 fn in_entry<T>(id: &Spanned<String>, result: Result<T, String>) -> Checked<T> {
@@ -29,6 +30,9 @@ fn in_entry<T>(id: &Spanned<String>, result: Result<T, String>) -> Checked<T> {
 
 /// Where the entry stands of which a problem's reason speaks; `None` if `file` has none of that id.
 pub fn entry(file: &file::File, reason: &str) -> Option<usize> {
+    if let Some(at) = switches::check::entry(file, reason) {
+        return Some(at);
+    }
     let (id, _) = reason.split_once(": ")?;
     let items = file.parameter.iter().chain(&file.reading).map(|item| &item.id);
     let others = file.command.iter().map(|command| &command.id).chain(file.action.iter().map(|action| &action.id));
@@ -66,6 +70,7 @@ pub fn check(file: &file::File) -> Checked<Definition> {
         .iter()
         .map(|part| in_entry(&part.id, check_optional(part)))
         .collect::<Checked<Vec<Optional>>>()?;
+    let switch_layout = switches::check::layout(file, &items)?;
     Ok(Definition {
         id: file.id.get_ref().clone(),
         label: file.label.clone(),
@@ -75,6 +80,7 @@ pub fn check(file: &file::File) -> Checked<Definition> {
         commands,
         items,
         actions,
+        switch_layout,
     })
 }
 
@@ -200,7 +206,7 @@ fn check_item(item: &file::Item, item_kind: ItemKind, commands: &[Command], file
 }
 
 /// A TOML value as the text a user would type.
-fn plain(value: &toml::Value) -> Result<String, String> {
+pub(super) fn plain(value: &toml::Value) -> Result<String, String> {
     match value {
         toml::Value::String(text) => Ok(text.clone()),
         toml::Value::Integer(number) => Ok(number.to_string()),
@@ -319,7 +325,7 @@ fn span(low: u16, high: u16) -> Result<(u16, u16), String> {
     count.map(|count| (low, count)).ok_or_else(|| format!("{low}-{high} is not a range of 1-based numbers"))
 }
 
-fn range<T: std::str::FromStr + Copy>(text: &str) -> Result<(T, T), String> {
+pub(super) fn range<T: std::str::FromStr + Copy>(text: &str) -> Result<(T, T), String> {
     let (low, high) = text.split_once('-').unwrap_or((text, text));
     match (low.trim().parse(), high.trim().parse()) {
         (Ok(low), Ok(high)) => Ok((low, high)),
@@ -369,6 +375,8 @@ pub fn complete(file: &file::File, base: &file::File) -> file::File {
         parameter: overlay(&base.parameter, &file.parameter, |item| item.id.get_ref()),
         reading: overlay(&base.reading, &file.reading, |item| item.id.get_ref()),
         action: overlay(&base.action, &file.action, |action| action.id.get_ref()),
+        dip: overlay(&switches::check::inherited_banks(base), &file.dip, |bank| bank.id.get_ref()),
+        rotary: file.rotary.clone().or_else(|| switches::check::inherited_rotary(base)),
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::notation::Template;
+use super::switches::SwitchLayout;
 use super::value::{Fixed, Value, ValueError};
 use crate::protocol::Protocol;
 
@@ -23,6 +24,8 @@ pub struct Definition {
     pub commands: Vec<Command>,
     pub items: Vec<Item>,
     pub actions: Vec<Action>,
+    /// DIP and rotary switches; empty where the file describes none.
+    pub switch_layout: SwitchLayout,
 }
 
 impl Definition {

@@ -29,6 +29,9 @@ pub struct File {
     pub reading: Vec<Item>,
     #[serde(default)]
     pub action: Vec<Action>,
+    #[serde(default)]
+    pub dip: Vec<Bank>,
+    pub rotary: Option<Rotary>,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -219,4 +222,75 @@ pub struct Action {
     pub modbus: Option<Modbus>,
     #[serde(default)]
     pub source: String,
+}
+
+/// A bank of DIP switches.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bank {
+    pub id: Spanned<String>,
+    pub label: String,
+    /// What comes before a position's number in a sentence.
+    pub name: String,
+    pub positions: u8,
+    #[serde(default)]
+    #[allow(dead_code, reason = "written for the reader of the file")]
+    pub source: String,
+    #[serde(default)]
+    #[allow(dead_code, reason = "written for the reader of the file")]
+    pub doubt: String,
+    #[serde(default)]
+    pub group: Vec<Group>,
+    /// Comes from the definition that the file is based on.
+    #[serde(skip)]
+    pub inherited: bool,
+}
+
+/// Positions of a bank that mean something together.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    /// `"4"` or `"5-7"`.
+    pub positions: Spanned<String>,
+    pub label: String,
+    pub help: String,
+    /// Counts whatever the switch with `switches_rule` says.
+    #[serde(default)]
+    pub always: bool,
+    #[serde(default)]
+    #[allow(dead_code, reason = "written for the reader of the file")]
+    pub doubt: String,
+    #[serde(default)]
+    pub rows: Vec<Row>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// `"on off off"`, lowest position first.
+    pub set: Spanned<String>,
+    pub means: String,
+    #[serde(default)]
+    pub factory: bool,
+    /// Whether the other switches are in force.
+    pub switches_rule: Option<bool>,
+    /// Values by item id; for a number also `"160-175"`.
+    #[serde(default)]
+    pub when: BTreeMap<String, toml::Value>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rotary {
+    pub label: Spanned<String>,
+    pub help: String,
+    /// The item that is one of `first` plus the position.
+    pub item: String,
+    pub first: Vec<i64>,
+    #[serde(default)]
+    #[allow(dead_code, reason = "written for the reader of the file")]
+    pub source: String,
+    /// Comes from the definition that the file is based on.
+    #[serde(skip)]
+    pub inherited: bool,
 }

@@ -12,6 +12,7 @@ mod file;
 mod identify;
 mod notation;
 mod read;
+mod switches;
 mod value;
 mod write;
 
@@ -22,6 +23,7 @@ pub use definition::{
 pub use identify::{Identified, identify};
 pub use notation::Template;
 pub use read::{ReadPlan, ReadRun, present_options, read_items};
+pub use switches::{BankState, Position, PositionState, RotaryState, SwitchLayout, SwitchPanel};
 pub use value::{Fixed, Value, ValueError};
 pub use write::{WriteError, check_write, moves_to, run_action, write_item};
 

@@ -14,6 +14,7 @@ mod module_list;
 mod module_view;
 mod notices;
 mod panes;
+mod picture;
 mod scan_form;
 mod settings;
 mod status;

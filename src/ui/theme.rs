@@ -5,6 +5,7 @@
 //! (WCAG 2.2, 1.4.3 and 1.4.11); a test holds them to it.
 
 use crate::bench::SwitchKind;
+use crate::picture::Ink;
 use eframe::egui::{
     self, Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals, vec2,
 };
@@ -40,6 +41,25 @@ pub struct Palette {
     pub output: Color32,
     pub sound: Color32,
     pub alarm: Color32,
+    pub picture: PictureColours,
+}
+
+/// What pictures of a module add to the palette: plastic, switches and lens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureColours {
+    pub body: Color32,
+    pub housing: Color32,
+    pub edge: Color32,
+    pub slot: Color32,
+    pub slider: Color32,
+    pub slider_dim: Color32,
+    pub print: Color32,
+    pub print_dim: Color32,
+    pub unknown: Color32,
+    pub lens: Color32,
+    pub facet: Color32,
+    pub motion: Color32,
+    pub on_motion: Color32,
 }
 
 pub const DARK: Palette = Palette {
@@ -70,6 +90,21 @@ pub const DARK: Palette = Palette {
     output: Color32::from_rgb(0x64, 0xB6, 0xF2),
     sound: Color32::from_rgb(0xE3, 0x8B, 0xC4),
     alarm: Color32::from_rgb(0xFF, 0x86, 0x70),
+    picture: PictureColours {
+        body: Color32::from_rgb(0x9A, 0x2C, 0x26),
+        housing: Color32::from_rgb(0x36, 0x3D, 0x46),
+        edge: Color32::from_rgb(0x72, 0x7C, 0x87),
+        slot: Color32::from_rgb(0x14, 0x16, 0x19),
+        slider: Color32::from_rgb(0xF1, 0xEF, 0xE9),
+        slider_dim: Color32::from_rgb(0x95, 0x9E, 0xA8),
+        print: Color32::from_rgb(0xFA, 0xF4, 0xEE),
+        print_dim: Color32::from_rgb(0xE4, 0xB6, 0xB0),
+        unknown: Color32::from_rgb(0xA9, 0xB2, 0xBB),
+        lens: Color32::from_rgb(0x22, 0x27, 0x2D),
+        facet: Color32::from_rgb(0x3A, 0x42, 0x4B),
+        motion: Color32::from_rgb(0xEE, 0xE1, 0x6A),
+        on_motion: Color32::from_rgb(0x1C, 0x19, 0x05),
+    },
 };
 
 pub const LIGHT: Palette = Palette {
@@ -100,6 +135,21 @@ pub const LIGHT: Palette = Palette {
     output: Color32::from_rgb(0x0B, 0x6C, 0xB4),
     sound: Color32::from_rgb(0xA0, 0x32, 0x7A),
     alarm: Color32::from_rgb(0xB4, 0x2A, 0x14),
+    picture: PictureColours {
+        body: Color32::from_rgb(0xB4, 0x33, 0x2A),
+        housing: Color32::from_rgb(0xDF, 0xE4, 0xE9),
+        edge: Color32::from_rgb(0x7C, 0x87, 0x92),
+        slot: Color32::from_rgb(0x2A, 0x2E, 0x34),
+        slider: Color32::from_rgb(0xFA, 0xFA, 0xF7),
+        slider_dim: Color32::from_rgb(0x8C, 0x96, 0xA0),
+        print: Color32::from_rgb(0xFF, 0xFF, 0xFF),
+        print_dim: Color32::from_rgb(0xF4, 0xD3, 0xCF),
+        unknown: Color32::from_rgb(0xC3, 0xCA, 0xD1),
+        lens: Color32::from_rgb(0xF8, 0xFA, 0xFB),
+        facet: Color32::from_rgb(0xD3, 0xD9, 0xDF),
+        motion: Color32::from_rgb(0xC0, 0x88, 0x00),
+        on_motion: Color32::from_rgb(0x17, 0x12, 0x00),
+    },
 };
 
 /// The colours in force where `ui` draws.
@@ -114,6 +164,29 @@ pub fn switch_colour(palette: &Palette, kind: SwitchKind) -> Color32 {
         SwitchKind::Output => palette.output,
         SwitchKind::Sound => palette.sound,
         SwitchKind::Alarm | SwitchKind::Watchdog => palette.alarm,
+    }
+}
+
+/// The colour of a picture's shape, by what it stands for.
+pub fn ink(palette: &Palette, ink: Ink) -> Color32 {
+    let picture = &palette.picture;
+    match ink {
+        Ink::Ground => palette.ground,
+        Ink::Body => picture.body,
+        Ink::Housing => picture.housing,
+        Ink::Edge => picture.edge,
+        Ink::Slot => picture.slot,
+        Ink::Slider => picture.slider,
+        Ink::SliderDim => picture.slider_dim,
+        Ink::Print => picture.print,
+        Ink::PrintDim => picture.print_dim,
+        Ink::Text => palette.text,
+        Ink::Quiet => palette.quiet,
+        Ink::Unknown => picture.unknown,
+        Ink::Lens => picture.lens,
+        Ink::Facet => picture.facet,
+        Ink::Motion => picture.motion,
+        Ink::OnMotion => picture.on_motion,
     }
 }
 
@@ -209,8 +282,35 @@ pub const FORM_EDITOR: f32 = 36.0 * UNIT;
 pub const FORM_UNIT: f32 = 9.0 * UNIT;
 pub const FORM_STATE: f32 = 80.0 * UNIT;
 pub const FORM_BUTTONS: f32 = 32.0 * UNIT;
+/// For a value with its unit, and what that is in larger units.
+pub const FORM_EDITOR_WIDE: f32 = FORM_EDITOR + GAP + FORM_UNIT;
 /// What a text field adds left and right of its text.
 pub const FIELD_MARGIN: f32 = 2.0 * UNIT;
+
+/// The watchdog in the header of a module, and what stands beside it.
+pub const INDICATOR: f32 = 80.0 * UNIT;
+pub const INDICATOR_TEXT: f32 = 60.0 * UNIT;
+pub const UNITS_WIDTH: f32 = 18.0 * UNIT;
+pub const READ_WIDTH: f32 = 22.0 * UNIT;
+
+/// Sensor and relays.
+pub const FACE_WIDTH: f32 = 55.0 * UNIT;
+pub const RELAY: [f32; 2] = [60.0 * UNIT, 36.0 * UNIT];
+pub const SWITCH: [f32; 2] = [18.0 * UNIT, 8.0 * UNIT];
+pub const CONTACT: [f32; 2] = [12.0 * UNIT, 8.0 * UNIT];
+pub const CONTACT_POINT: f32 = 3.0;
+/// How far an open contact lifts its lever, as a part of its length.
+pub const CONTACT_LIFT: f32 = 0.55;
+pub const RELAY_REASON: f32 = 8.0 * UNIT;
+pub const HISTORY_NAME: f32 = 28.0 * UNIT;
+pub const HISTORY_WORDS: f32 = 44.0 * UNIT;
+/// A picture of what is no longer fresh.
+pub const FADED: f32 = 0.45;
+/// How far the two prints of strong text lie apart, as a part of its size.
+pub const STRONG: f32 = 0.04;
+/// Wider than this, lines are hard to follow.
+pub const TAB_WIDTH: f32 = 300.0 * UNIT;
+pub const COUNTDOWN_TEXT: f32 = 90.0 * UNIT;
 
 /// The plot.
 pub const PLOT_HEIGHT: f32 = 70.0 * UNIT;
@@ -365,6 +465,23 @@ mod tests {
             for mark in palette.series.into_iter().chain(marks) {
                 assert!(contrast(mark, palette.ground) >= 3.0, "{mark:?}");
             }
+        }
+    }
+
+    #[test]
+    fn words_in_pictures_can_be_read() {
+        for palette in [DARK, LIGHT] {
+            let picture = &palette.picture;
+            for (word, ground) in [
+                (picture.print, picture.body),
+                (picture.on_motion, picture.motion),
+                (palette.text, picture.lens),
+                (palette.quiet, picture.lens),
+            ] {
+                assert!(contrast(word, ground) >= 4.5, "{word:?} on {ground:?}: {:.2}", contrast(word, ground));
+            }
+            assert!(contrast(picture.motion, picture.lens) >= 2.8);
+            assert!(contrast(picture.slider, picture.slot) >= 4.5 && contrast(picture.slider_dim, picture.slot) >= 3.0);
         }
     }
 

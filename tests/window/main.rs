@@ -2,3 +2,5 @@
 
 mod general;
 mod harness;
+mod relay;
+mod watchdog;
