@@ -20,6 +20,16 @@ pub fn span(span: Duration) -> String {
     }
 }
 
+/// `33 s`, `131 s (2 min 11 s)`, `4194 s (1 h 9 min 54 s)`: exact, for values that are set in seconds.
+pub fn seconds_and_minutes(seconds: u64) -> String {
+    let (hours, minutes, rest) = (seconds / 3_600, seconds % 3_600 / 60, seconds % 60);
+    match seconds {
+        0..60 => format!("{seconds} s"),
+        60..3_600 => format!("{seconds} s ({minutes} min {rest} s)"),
+        _ => format!("{seconds} s ({hours} h {minutes} min {rest} s)"),
+    }
+}
+
 /// How old something is, in whole units.
 pub fn age(age: Duration) -> String {
     let seconds = age.as_secs();
@@ -84,6 +94,12 @@ mod tests {
         assert_eq!(text(11_200), "12 s");
         assert_eq!(text(250_000), "4 min 10 s");
         assert_eq!(text(12_000_000), "3 h 20 min");
+    }
+
+    #[test]
+    fn long_times_are_told_in_minutes_too() {
+        let texts = [6, 131, 4_194].map(seconds_and_minutes);
+        assert_eq!(texts, ["6 s", "131 s (2 min 11 s)", "4194 s (1 h 9 min 54 s)"]);
     }
 
     #[test]

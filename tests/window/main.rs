@@ -4,3 +4,5 @@ mod dashboard;
 mod general;
 mod harness;
 mod panes;
+mod relay;
+mod watchdog;

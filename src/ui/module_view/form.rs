@@ -5,6 +5,7 @@ use eframe::egui::{
     vec2,
 };
 
+use super::watchdog;
 use crate::bench::{Action, ItemState, Module};
 use crate::module::{Access, Applies, Item, Kind, ModbusPlace, Value};
 use crate::ui::app::Pass;
@@ -25,9 +26,13 @@ pub fn row(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, id: &str) {
     let Some(item) = module.item(id).filter(|item| module.has(item)) else { return };
     ui.horizontal(|ui| {
         label(ui, item, theme::FORM_LABEL);
-        editor(ui, module, pass, item, theme::FORM_EDITOR);
-        let unit_colour = theme::palette(ui).quiet;
-        widgets::fixed_coloured(ui, theme::FORM_UNIT, Align::Min, &item.unit, unit_colour);
+        if offers_seconds(item) {
+            editor(ui, module, pass, item, theme::FORM_EDITOR_WIDE);
+        } else {
+            editor(ui, module, pass, item, theme::FORM_EDITOR);
+            let unit_colour = theme::palette(ui).quiet;
+            widgets::fixed_coloured(ui, theme::FORM_UNIT, Align::Min, &item.unit, unit_colour);
+        }
         state(ui, module, pass, item);
     });
 }
@@ -95,8 +100,8 @@ pub fn editor(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, wi
     match &item.kind {
         Kind::Bool => switch(ui, module, pass, item),
         Kind::Choice(choices) => {
-            let options: Vec<(&str, &str)> =
-                choices.iter().map(|choice| (choice.word.as_str(), choice.label.as_str())).collect();
+            let options: Vec<(&str, String)> =
+                choices.iter().map(|choice| (choice.word.as_str(), offered(item, &choice.label))).collect();
             choose(ui, module, pass, item, width, &options);
         }
         Kind::Number { .. } | Kind::Text { .. } | Kind::Ipv4 => field(ui, module, pass, item, width),
@@ -119,13 +124,26 @@ fn switch(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
     keys(ui, &response, module, pass, item);
 }
 
-fn choose(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: f32, options: &[(&str, &str)]) {
+/// Whether the item is chosen from spans of time in seconds.
+fn offers_seconds(item: &Item) -> bool {
+    item.unit == "s" && matches!(item.kind, Kind::Choice(_))
+}
+
+/// A choice as it is offered: a span has its unit, and from a minute on is told in minutes too, `131 s (2 min 11 s)`.
+fn offered(item: &Item, label: &str) -> String {
+    match label.parse::<u64>() {
+        Ok(seconds) if offers_seconds(item) => words::seconds_and_minutes(seconds),
+        _ => label.to_owned(),
+    }
+}
+
+fn choose(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: f32, options: &[(&str, String)]) {
     let wanted = module.wanted(&item.id);
-    let text = wanted.map_or_else(|| words::UNKNOWN.to_owned(), |value| item.bare_text(value));
+    let text = wanted.map_or_else(|| words::UNKNOWN.to_owned(), |value| offered(item, &item.bare_text(value)));
     let response = widgets::combo(&item.id, width, &text).show_ui(ui, |ui| {
         for (word, label) in options {
             let chosen = matches!(wanted, Some(Value::Choice(known)) if known == word);
-            if ui.selectable_label(chosen, *label).clicked() {
+            if ui.selectable_label(chosen, label).clicked() {
                 pass.actions.push(Action::Stage(module.target, item.id.clone(), (*word).to_owned()));
             }
         }
@@ -193,6 +211,10 @@ pub fn write(module: &Module, pass: &mut Pass<'_>, ids: &[String]) {
     }
     let needs_init = |id: &String| module.item(id).is_some_and(|item| item.applies == Applies::Init);
     let (init, now): (Vec<String>, Vec<String>) = edited.into_iter().partition(needs_init);
+    if let Some(question) = watchdog::before_writing(module, &now) {
+        *pass.confirm = Some(question);
+        return;
+    }
     if !now.is_empty() {
         pass.actions.push(Action::Write(module.target, now));
     }

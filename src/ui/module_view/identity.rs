@@ -1,9 +1,10 @@
-//! Who the module is, and how often it is polled.
+//! The header of a module: who it is, whether it answers, its watchdog, and how often it is polled.
 
 use std::time::Duration;
 
 use eframe::egui::{self, Align, RichText, Ui};
 
+use super::indicator::{self, Indicator};
 use crate::bench::{Action, DEFAULT_INTERVAL, LineState, Module, Presence};
 use crate::protocol::Failure;
 use crate::ui::app::Pass;
@@ -15,8 +16,15 @@ use crate::ui::{theme, words};
 const INTERVALS: [u64; 8] = [0, 200, 500, 1_000, 2_000, 5_000, 10_000, 60_000];
 
 /// The interval that polling resumes with.
-pub struct Polling {
+struct Polling {
     interval: Duration,
+}
+
+/// What the header remembers between frames.
+#[derive(Default)]
+pub struct Header {
+    polling: Polling,
+    indicator: Indicator,
 }
 
 impl Default for Polling {
@@ -25,37 +33,46 @@ impl Default for Polling {
     }
 }
 
-pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, polling: &mut Polling) {
+/// `asks` are the items that the present tab reads when asked to read again.
+pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Header, asks: Vec<String>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
-        presence(ui, module, pass.bench.line());
-        widgets::at_right(ui, |ui| unit_toggle(ui, &mut pass.settings.temperature));
+        let others = indicator::width(module) + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
+        let width = (ui.available_width() - others).max(0.0);
+        presence(ui, module, pass.bench.line(), width);
+        widgets::at_right(ui, |ui| {
+            unit_toggle(ui, &mut pass.settings.temperature);
+            ui.add_space(theme::GAP);
+            header.indicator.show(ui, module, pass);
+        });
     });
     ui.horizontal(|ui| {
-        let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + 2.0 * theme::GAP;
+        let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + theme::READ_WIDTH + 3.0 * theme::GAP;
         let width = (ui.available_width() - controls).max(0.0);
         let palette = theme::palette(ui);
-        let response = widgets::fixed_coloured(ui, width, Align::Min, &facts(module), palette.quiet);
-        response.on_hover_text(facts(module));
+        let response = widgets::fixed_coloured(ui, width, Align::Min, &facts(module, ""), palette.quiet);
+        response.on_hover_text(facts(module, "firmware "));
         widgets::at_right(ui, |ui| {
             let closed = matches!(pass.bench.line(), LineState::Closed);
-            pause_button(ui, module, closed, pass.actions, polling);
-            interval_selector(ui, module, pass.actions, polling);
+            pause_button(ui, module, closed, pass.actions, &header.polling);
+            interval_selector(ui, module, pass.actions, &mut header.polling);
+            read_again(ui, module, closed, pass.actions, asks);
         });
     });
 }
 
-fn facts(module: &Module) -> String {
+/// `before` comes before the firmware's version, where there is room for it.
+fn facts(module: &Module, before: &str) -> String {
     let identified = &module.identified;
     let firmware = match identified.firmware.is_empty() {
         true => String::new(),
-        false => format!(" firmware {}", identified.firmware),
+        false => format!(" {before}{}", identified.firmware),
     };
     let address = words::address(module.target.address);
     format!("{}{firmware}  ·  address {address}  ·  {}", identified.name, words::spoken(&module.target))
 }
 
-fn presence(ui: &mut Ui, module: &Module, line: &LineState) {
+fn presence(ui: &mut Ui, module: &Module, line: &LineState, width: f32) {
     let palette = theme::palette(ui);
     let (glyph, colour, word) = match &module.presence {
         _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed".to_owned()),
@@ -66,7 +83,7 @@ fn presence(ui: &mut Ui, module: &Module, line: &LineState) {
         Presence::Found => (Glyph::Ring, palette.quiet, "waiting for its first answer".to_owned()),
     };
     widgets::glyph(ui, glyph, colour);
-    ui.label(RichText::new(word).color(colour));
+    widgets::fixed_coloured(ui, width, Align::Min, &word, colour).on_hover_text(&word);
 }
 
 fn unit_toggle(ui: &mut Ui, unit: &mut TemperatureUnit) {
@@ -107,5 +124,21 @@ fn pause_button(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Ac
     let response = ui.add_enabled(!closed, button).on_disabled_hover_text("No line is open: scan to open it again");
     if response.clicked() {
         actions.push(action);
+    }
+}
+
+/// Reads what the present tab shows once more; with F5 too.
+fn read_again(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Action>, asks: Vec<String>) {
+    let reason = match closed {
+        true => "No line is open: scan to open it again",
+        false => "Nothing on this tab is read on request",
+    };
+    let enabled = !closed && !asks.is_empty();
+    let button = egui::Button::new("Read again").min_size(egui::vec2(theme::READ_WIDTH, theme::CONTROL_HEIGHT));
+    let response = ui.add_enabled(enabled, button);
+    let response = response.on_hover_text("Reads what this tab shows once more (F5)").on_disabled_hover_text(reason);
+    let typed = enabled && ui.input(|input| input.key_pressed(egui::Key::F5));
+    if response.clicked() || typed {
+        actions.push(Action::Read(module.target, asks));
     }
 }

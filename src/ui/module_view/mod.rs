@@ -7,6 +7,7 @@ mod edits_bar;
 mod form;
 mod generic;
 mod identity;
+mod indicator;
 mod legend;
 mod live_plot;
 mod log;
@@ -37,7 +38,7 @@ use crate::bench::{Action, Module};
 use analog::Analog;
 use commands::Commands;
 use configuration::Configuration;
-use identity::Polling;
+use identity::Header;
 use live_plot::LivePlot;
 use log::Log;
 use pir::PirRelay;
@@ -51,7 +52,7 @@ pub struct ModuleView {
     /// The tab that is shown, and what the module was asked for since it came into view.
     shown: Option<Tab>,
     asked: BTreeSet<String>,
-    polling: Polling,
+    header: Header,
     plot: LivePlot,
     configuration: Configuration,
     analog: Analog,
@@ -67,7 +68,8 @@ impl ModuleView {
         if module.definition().is_none() {
             return unknown::show(ui, module, pass, dialogs);
         }
-        identity::show(ui, module, pass, &mut self.polling);
+        let asks = self.shown.as_ref().map(|tab| tabs::to_read(module, tab)).unwrap_or_default();
+        identity::show(ui, module, pass, &mut self.header, asks);
         ui.add_space(theme::UNIT);
         let tab = tabs::show(ui, module, pass.settings);
         self.read_what_it_shows(&tab, module, pass.actions);
@@ -107,10 +109,22 @@ impl ModuleView {
             self.asked.clear();
         }
         let mut ids = tabs::to_read(module, tab);
+        ids.extend(self.header_items(module));
         ids.retain(|id| self.asked.insert(id.clone()));
         if !ids.is_empty() {
             actions.push(Action::Read(module.target, ids));
         }
+    }
+}
+
+impl ModuleView {
+    /// What the header shows on every tab, as far as it is not known yet.
+    fn header_items(&self, module: &Module) -> impl Iterator<Item = String> {
+        let wanted = |id: &&str| {
+            let there = module.item(id).is_some_and(|item| module.has(item));
+            there && module.known(id).is_none() && !self.asked.contains(*id)
+        };
+        indicator::ITEMS.into_iter().filter(wanted).map(str::to_owned).collect::<Vec<_>>().into_iter()
     }
 }
 

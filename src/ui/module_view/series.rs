@@ -38,6 +38,7 @@ pub enum Freshness {
     Unknown,
 }
 
+#[derive(Clone)]
 pub struct Series<'a> {
     pub item: &'a Item,
     /// Id without its temperature unit: a series is the same in °C and °F.

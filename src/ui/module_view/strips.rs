@@ -19,8 +19,12 @@ pub fn show(ui: &mut Ui, (name, rect): (Rect, Rect), series: &Series<'_>, settin
     if settings.hidden.contains(series.stem) {
         return;
     }
-    let view = &scene.view;
-    let painter = ui.painter().with_clip_rect(rect);
+    draw(ui.painter(), rect, series, &scene.view, palette);
+}
+
+/// Draws the trace of a switch into `rect`.
+pub fn draw(painter: &Painter, rect: Rect, series: &Series<'_>, view: &TimeView, palette: &Palette) {
+    let painter = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     for stretch in series.trend.map(|trend| trend.lines(view.from, view.to, view.buckets())).unwrap_or_default() {
         trace(&painter, rect, &runs(&stretch), series, view, palette);
     }
@@ -28,14 +32,14 @@ pub fn show(ui: &mut Ui, (name, rect): (Rect, Rect), series: &Series<'_>, settin
 
 /// A time during which the switch stood still.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Run {
-    from: f64,
-    to: f64,
-    on: bool,
+pub struct Run {
+    pub from: f64,
+    pub to: f64,
+    pub on: bool,
 }
 
 /// Joins samples that are alike; each holds until the next.
-fn runs(stretch: &[[f64; 2]]) -> Vec<Run> {
+pub fn runs(stretch: &[[f64; 2]]) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for [at, value] in stretch {
         let on = *value >= 0.5;

@@ -82,12 +82,24 @@ pub fn of(module: &Module) -> Vec<Tab> {
     own.chain([Tab::Commands, Tab::Log, Tab::Summary]).collect()
 }
 
+/// Items of other tabs that a tab shows too.
+fn guests(tab: &str) -> &'static [&'static str] {
+    match tab {
+        "pir" => &["do0_safe", "do1_safe", "wdt_tripped"],
+        _ => &[],
+    }
+}
+
 /// Ids that a tab asks for when it comes into view: what it shows, except what is polled anyway and what changes by
 /// being read.
 pub fn to_read(module: &Module, tab: &Tab) -> Vec<String> {
-    let readable = |item: &&Item| !item.on_request && !(item.live && module.interval.is_some());
+    let readable = |item: &&Item| !(item.on_request || item.live && module.interval.is_some());
     match tab {
-        Tab::Of(id) => items(module, id).into_iter().filter(readable).map(|item| item.id.clone()).collect(),
+        Tab::Of(id) => {
+            let guests = guests(id).iter().filter_map(|id| module.item(id)).filter(|item| module.has(item));
+            let shown = items(module, id).into_iter().chain(guests);
+            shown.filter(readable).map(|item| item.id.clone()).collect()
+        }
         Tab::Summary => {
             let all = module.definition().into_iter().flat_map(|definition| &definition.items);
             all.filter(|item| module.has(item)).filter(readable).map(|item| item.id.clone()).collect()
