@@ -1,4 +1,5 @@
 //! The real window on a simulated line.
 
+mod analog;
 mod general;
 mod harness;
