@@ -292,6 +292,17 @@ pub const READING_DIGITS: f32 = 29.0 * UNIT;
 pub const LAMP_CELL: [f32; 2] = [47.0 * UNIT, 6.0 * UNIT];
 pub const LAMP_GUTTER: f32 = 4.0 * UNIT;
 
+/// Analogue inputs: least and most width of a cell, the room of a unit after large digits, of a latch, of the menu
+/// that resets latches, and of the words on the alarm.
+pub const CHANNEL_WIDTHS: [f32; 2] = [60.0 * UNIT, 84.0 * UNIT];
+pub const CHANNEL_UNIT: f32 = 7.0 * UNIT;
+pub const LATCH: f32 = 17.0 * UNIT;
+pub const LATCH_MENU_WIDTH: f32 = 84.0 * UNIT;
+pub const ALARM_PHRASE: f32 = 58.0 * UNIT;
+pub const USE_WIDTH: f32 = 12.0 * UNIT;
+/// With twice this width settings stand in two columns.
+pub const FORM_COLUMN: f32 = 165.0 * UNIT;
+
 /// Lines of a form: name, value, unit, state and its buttons.
 pub const FORM_LABEL: f32 = 44.0 * UNIT;
 pub const FORM_EDITOR: f32 = 36.0 * UNIT;
@@ -342,6 +353,8 @@ pub const TIME_AXIS: f32 = 5.0 * UNIT;
 /// Least distance between two ticks, across and upwards.
 pub const TICK_DISTANCE: [f32; 2] = [20.0 * UNIT, 6.0 * UNIT];
 pub const SAMPLE_MARK: f32 = 3.0;
+/// Strokes and gaps of a limit's line.
+pub const DASH: [f32; 2] = [6.0, 4.0];
 
 pub const HAIRLINE: f32 = 1.0;
 pub const TRACE: f32 = 1.5;

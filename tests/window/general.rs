@@ -194,7 +194,7 @@ fn dragging_the_plot_releases_it_and_follow_takes_it_up_again() {
     window.drop_at(place + vec2(120.0, 0.0));
     window.step();
     click(&mut window, Role::Button, "Follow");
-    assert!(window.query_by_role_and_label(Role::Button, "Pause plot").is_some());
+    assert!(window.query_by_role_and_label(Role::Button, "Hold plot").is_some());
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn every_character_of_the_interface_has_its_glyph() {
 /// The code of the window and of what it shows, without comments.
 fn sources() -> Vec<String> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let rooms = ["ui", "ui/module_view", "ui/settings", "bench", "bus", "module", "protocol"];
+    let rooms = ["ui", "ui/module_view", "ui/module_view/analog", "ui/settings", "bench", "bus", "module", "protocol"];
     let files = rooms.iter().flat_map(|room| std::fs::read_dir(root.join(room)).unwrap());
     let texts = files.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "rs"));
     let without_comments =

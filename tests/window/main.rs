@@ -1,5 +1,6 @@
 //! The real window on a simulated line.
 
+mod analog;
 mod dashboard;
 mod general;
 mod harness;

@@ -170,7 +170,6 @@ fn field(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: 
     if invalid {
         edit = edit.text_color(palette.error);
     }
-    let escaped = ui.memory(|memory| memory.has_focus(id)) && ui.input(|input| input.key_pressed(Key::Escape));
     let response = ui.add(edit);
     widgets::name_field(&response, &item.label, &text);
     if response.changed() {
@@ -179,7 +178,7 @@ fn field(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: 
     if response.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, text));
     }
-    if escaped {
+    if gave_up(ui, &response) {
         pass.actions.push(Action::Revert(module.target, Some(item.id.clone())));
     } else if response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
         write(module, pass, std::slice::from_ref(&item.id));
@@ -188,14 +187,19 @@ fn field(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: 
 
 /// Enter writes and Esc reverts what has the focus.
 fn keys(ui: &Ui, response: &Response, module: &Module, pass: &mut Pass<'_>, item: &Item) {
-    if !response.has_focus() || module.edit(&item.id).is_none() {
+    if module.edit(&item.id).is_none() {
         return;
     }
-    if ui.input(|input| input.key_pressed(Key::Escape)) {
+    if gave_up(ui, response) {
         pass.actions.push(Action::Revert(module.target, Some(item.id.clone())));
-    } else if ui.input(|input| pressed_enter(&input.events)) {
+    } else if response.has_focus() && ui.input(|input| pressed_enter(&input.events)) {
         write(module, pass, std::slice::from_ref(&item.id));
     }
+}
+
+/// Whether Esc was pressed in it; egui takes the focus away before anything is drawn.
+fn gave_up(ui: &Ui, response: &Response) -> bool {
+    response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape))
 }
 
 fn pressed_enter(events: &[Event]) -> bool {

@@ -29,7 +29,13 @@ pub fn show(ui: &mut Ui, tab: &str, module: &Module, pass: &mut Pass<'_>, plot: 
 
 /// The actions of a tab, side by side.
 pub fn actions(ui: &mut Ui, tab: &str, module: &Module, pass: &mut Pass<'_>) {
-    let ids: Vec<&str> = tabs::actions(module, tab).iter().map(|action| action.id.as_str()).collect();
+    actions_but(ui, tab, module, pass, |_| false);
+}
+
+/// Those that do not stand elsewhere in the tab already.
+pub fn actions_but(ui: &mut Ui, tab: &str, module: &Module, pass: &mut Pass<'_>, elsewhere: impl Fn(&str) -> bool) {
+    let all = tabs::actions(module, tab).into_iter().map(|action| action.id.as_str());
+    let ids: Vec<&str> = all.filter(|id| !elsewhere(id)).collect();
     if ids.is_empty() {
         return;
     }

@@ -1,5 +1,5 @@
 //! The history of the readings: plots of the numbers, one for each unit, and strips of the switches, all on one span
-//! of time. It follows the present until it is dragged or paused.
+//! of time. It follows the present until it is dragged or held.
 
 use eframe::egui::{Align, Align2, PointerButton, Rangef, Rect, Response, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use jiff::Timestamp;
@@ -39,6 +39,7 @@ struct Layout {
 }
 
 impl LivePlot {
+    /// Draws tools and plots, together as high as `room`; higher if they would become too small to read.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -59,7 +60,8 @@ impl LivePlot {
         let response = ui.interact(layout.timed, ui.scope_id().with("time"), Sense::click_and_drag());
         let to = self.end.unwrap_or(latest);
         let mut view = TimeView { from: to - settings.span, to, columns: layout.timed.x_range() };
-        self.navigate(ui, &response, &mut view, settings, latest);
+        self.navigate(ui, &response, &mut view, settings);
+        self.stay_within(&mut view, settings.span, first(series), latest);
         let cursor = response.hover_pos().map(|pointer| view.seconds(pointer.x));
         let scene = Scene { module, view, cursor };
 
@@ -91,13 +93,11 @@ impl LivePlot {
                 }
             });
             let (name, help) = match self.end {
-                None => ("Pause", "Hold the plot; readings go on"),
-                Some(_) => ("Follow", "Back to the present"),
+                None => ("Hold plot", "The plot stands still; polling goes on"),
+                Some(_) => ("Follow", "Back to the present (or double-click the plot)"),
             };
             let button = eframe::egui::Button::new(name).min_size(vec2(theme::BUTTON_WIDTH, theme::CONTROL_HEIGHT));
             let response = ui.add(button).on_hover_text(help);
-            let accessible = if self.end.is_none() { "Pause plot" } else { "Follow" };
-            response.widget_info(|| eframe::egui::WidgetInfo::labeled(eframe::egui::Role::Button, true, accessible));
             if response.clicked() {
                 self.end = if self.end.is_none() { Some(latest) } else { None };
             }
@@ -117,7 +117,7 @@ impl LivePlot {
     }
 
     /// Dragging moves, scrolling zooms, dragging with the right button selects a span; a double click follows again.
-    fn navigate(&mut self, ui: &Ui, response: &Response, view: &mut TimeView, settings: &mut Settings, latest: f64) {
+    fn navigate(&mut self, ui: &Ui, response: &Response, view: &mut TimeView, settings: &mut Settings) {
         if response.dragged_by(PointerButton::Primary) {
             let moved = f64::from(response.drag_delta().x) * view.seconds_per_point();
             self.end = Some(view.to - moved);
@@ -135,8 +135,15 @@ impl LivePlot {
         if response.double_clicked() {
             self.end = None;
         }
+    }
+
+    /// Neither before the first reading nor into the future. A plot that is held stays where it is, even if its
+    /// readings do not fill it.
+    fn stay_within(&mut self, view: &mut TimeView, span: f64, first: Option<f64>, latest: f64) {
+        let earliest = first.map_or(view.to, |first| (first + span).min(view.to));
+        self.end = self.end.map(|end| end.max(earliest).min(latest.max(earliest)));
         view.to = self.end.unwrap_or(latest);
-        view.from = view.to - settings.span;
+        view.from = view.to - span;
     }
 
     /// While the present is followed it stays at the right edge, else the place under the pointer stays.
@@ -184,6 +191,12 @@ impl LivePlot {
 fn latest(series: &[Series<'_>], now: Timestamp) -> f64 {
     let newest = series.iter().filter_map(|one| one.trend?.last()).map(|sample| sample[0]);
     newest.fold(words::seconds(now), f64::max)
+}
+
+/// The oldest sample that is kept.
+fn first(series: &[Series<'_>]) -> Option<f64> {
+    let oldest = series.iter().filter_map(|one| one.trend?.nearest(0.0)).map(|sample| sample[0]);
+    oldest.reduce(f64::min)
 }
 
 /// Numbers by unit, in order of first appearance.
@@ -269,6 +282,22 @@ mod tests {
         let mut settings = Settings { span: 100.0, ..Settings::default() };
         plot.zoom(&view(1_000.0, 100.0), 925.0, 0.5, &mut settings);
         assert_eq!((settings.span, plot.end), (50.0, Some(962.5)));
+    }
+
+    #[test]
+    fn a_plot_is_not_dragged_beyond_its_readings() {
+        let dragged = |end: f64, first: f64, from: f64| {
+            let mut plot = LivePlot { end: Some(end), selecting: None };
+            let mut view = view(from, 100.0);
+            plot.stay_within(&mut view, 100.0, Some(first), 1_000.0);
+            assert_eq!(Some(view.to), plot.end);
+            view.to
+        };
+        assert_eq!(dragged(-5_000.0, 600.0, 1_000.0), 700.0, "the first reading stands at the left edge");
+        assert_eq!(dragged(5_000.0, 600.0, 900.0), 1_000.0, "there is no future");
+        assert_eq!(dragged(800.0, 600.0, 900.0), 800.0);
+        assert_eq!(dragged(990.0, 960.0, 990.0), 990.0, "held with few readings it stays");
+        assert_eq!(dragged(900.0, 960.0, 990.0), 990.0);
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{Align2, Painter, Rangef, Rect, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
+use eframe::egui::{Align2, Painter, Rangef, Rect, Sense, Stroke, Ui, UiBuilder, Vec2, pos2, vec2};
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
 use super::legend;
+use super::limit_line::{self, Limit};
 use super::scene::Scene;
 use super::series::Series;
 use super::time_axis::TimeView;
@@ -46,11 +47,15 @@ pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Se
     }
     let visible: Vec<&Series<'_>> =
         group.iter().copied().filter(|series| !settings.hidden.contains(series.stem)).collect();
-    let scale = Scale::new(&visible, &scene.view, areas.plot.height());
+    let limit = Limit::of(scene.module, &visible);
+    let scale = Scale::new(&visible, &scene.view, limit.as_ref(), areas.plot.height());
     labels(ui.painter(), areas, &scale, palette);
     let unit = group.first().map_or("", |series| series.unit);
     lines(ui, areas.plot, unit, &visible, &scene.view, &scale);
     marks(ui.painter(), areas.plot, &visible, scene, &scale, palette);
+    if let Some(limit) = limit.filter(|_| !scale.empty) {
+        limit_line::show(ui, areas.plot, &limit, scale.y(limit.value, areas.plot));
+    }
     if scale.empty {
         let none_yet = visible.iter().all(|series| series.trend.is_none_or(|trend| trend.is_empty()));
         let text = match (visible.is_empty(), none_yet) {
@@ -64,12 +69,13 @@ pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Se
 
 impl Scale {
     /// Some room above and below the lines, and never so fine that noise looks like an event.
-    fn new(visible: &[&Series<'_>], view: &TimeView, height: f32) -> Self {
+    fn new(visible: &[&Series<'_>], view: &TimeView, limit: Option<&Limit>, height: f32) -> Self {
         let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
         let extremes = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let (low, high) = extremes.unwrap_or((0.0, 0.0));
         let finest = visible.iter().map(|series| resolution(series)).fold(0.0, f64::max);
         let least = (finest * LEAST_RANGE).max(f64::EPSILON);
+        let reach = |(low, high)| limit.map_or((low, high), |limit| limit.taken_into((low, high), least));
+        let (low, high) = extremes.map_or((0.0, 0.0), reach);
         let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0 * (1.0 + MARGIN)).max(least / 2.0));
         let most = f64::from(height / theme::TICK_DISTANCE[1]).max(2.0);
         let (_, step) = widgets::round_steps(&(middle - half..=middle + half), most);
@@ -119,6 +125,7 @@ fn lines(ui: &mut Ui, rect: Rect, unit: &str, visible: &[&Series<'_>], view: &Ti
     let plot = Plot::new(("numbers", unit))
         .width(rect.width())
         .height(rect.height())
+        .min_size(Vec2::ZERO)
         .show_axes(false)
         .show_x(false)
         .show_y(false)
@@ -135,12 +142,11 @@ fn lines(ui: &mut Ui, rect: Rect, unit: &str, visible: &[&Series<'_>], view: &Ti
         .y_grid_spacer(move |_| upwards.clone());
     let strokes: Vec<Line<'_>> = visible.iter().flat_map(|series| traces(series, view, palette)).collect();
     let (times, values) = (view.from..=view.to, scale.values.clone());
-    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
-        plot.show(ui, move |plot| {
-            plot.set_plot_bounds_x(times);
-            plot.set_plot_bounds_y(values);
-            strokes.into_iter().for_each(|stroke| plot.line(stroke));
-        });
+    // Not a scope: its room is allocated already, and what follows shall not move up to its end.
+    plot.show(&mut ui.new_child(UiBuilder::new().max_rect(rect)), move |plot| {
+        plot.set_plot_bounds_x(times);
+        plot.set_plot_bounds_y(values);
+        strokes.into_iter().for_each(|stroke| plot.line(stroke));
     });
 }
 

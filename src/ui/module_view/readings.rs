@@ -10,6 +10,9 @@ use crate::protocol::Failure;
 use crate::ui::theme::{self, Palette};
 use crate::ui::{widgets, words};
 
+/// Height of the large digits.
+pub(super) const DIGITS_HEIGHT: f32 = theme::DIGITS + theme::GAP;
+
 pub fn show(ui: &mut Ui, module: &Module, series: &[Series<'_>], now: Timestamp) {
     if series.iter().any(Series::is_number) {
         cells(ui, |ui| {
@@ -30,7 +33,7 @@ pub fn show(ui: &mut Ui, module: &Module, series: &[Series<'_>], now: Timestamp)
 }
 
 /// Cells without room between them, as many in a row as fit.
-fn cells(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+pub(super) fn cells(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
         contents(ui);
@@ -41,37 +44,51 @@ fn number_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(theme::READING.into(), Sense::hover());
     let freshness = series.freshness(module, now);
-    let colour = if freshness == Freshness::Fresh { palette.text } else { palette.old };
-    let value = value_text(series);
-
-    let digits = Rect::from_min_size(rect.min, vec2(theme::READING_DIGITS, theme::DIGITS + theme::GAP));
-    let place = widgets::line_in(ui, digits, Align::Max, &value, theme::digits(), colour);
-    let unit = Rect::from_min_max(pos2(digits.right() + theme::UNIT, place.top()), pos2(rect.right(), place.bottom()));
-    // On the same baseline as the digits, whose descent is larger.
-    let unit = unit.with_min_y(place.bottom() - theme::HEADING - 2.0 * theme::UNIT);
-    widgets::line_in(ui, unit, Align::Min, series.unit, theme::heading(), palette.quiet);
-
-    let name = Rect::from_min_size(pos2(rect.left(), digits.bottom()), vec2(rect.width(), theme::LEGEND_ROW));
+    digits(ui, rect, series, &freshness);
+    let top = pos2(rect.left(), rect.top() + DIGITS_HEIGHT);
+    let name = Rect::from_min_size(top, vec2(rect.width(), theme::LEGEND_ROW));
     named(ui, name, series, palette);
     let (note, colour) = note(series, &freshness, palette);
     let below = name.translate(vec2(0.0, theme::LEGEND_ROW)).with_max_y(rect.bottom());
     widgets::line_in(ui, beside_mark(below), Align::Min, &note, theme::small(), colour);
-    tell(response, series, &value, &freshness);
+    tell(response, series, &freshness);
+}
+
+/// Paints the digits and their unit at the top of `rect`; the room at the right of the digits, where the unit stands.
+pub(super) fn digits(ui: &Ui, rect: Rect, series: &Series<'_>, freshness: &Freshness) -> Rect {
+    let palette = theme::palette(ui);
+    let colour = if *freshness == Freshness::Fresh { palette.text } else { palette.old };
+    let digits = Rect::from_min_size(rect.min, vec2(theme::READING_DIGITS, DIGITS_HEIGHT));
+    let place = widgets::line_in(ui, digits, Align::Max, &value_text(series), theme::digits(), colour);
+    // On the same baseline as the digits, whose descent is larger.
+    let top = place.bottom() - theme::HEADING - 2.0 * theme::UNIT;
+    let room = Rect::from_min_max(pos2(digits.right() + theme::UNIT, top), pos2(rect.right(), place.bottom()));
+    widgets::line_in(ui, room, Align::Min, series.unit, theme::heading(), palette.quiet);
+    room
+}
+
+/// Mark and name in one line, and what is to be said of a value that is not fresh.
+pub(super) fn name_line(ui: &Ui, rect: Rect, series: &Series<'_>, freshness: &Freshness) {
+    let palette = theme::palette(ui);
+    let name = named(ui, rect, series, palette);
+    let (note, colour) = note(series, freshness, palette);
+    let rest = rect.with_min_x((name.right() + theme::GAP).min(rect.right()));
+    widgets::line_in(ui, rest, Align::Min, &note, theme::small(), colour);
 }
 
 /// Room for the text of name and note, to the right of the mark.
-fn beside_mark(rect: Rect) -> Rect {
+pub(super) fn beside_mark(rect: Rect) -> Rect {
     rect.with_min_x(rect.left() + theme::SWATCH[0] + theme::UNIT)
 }
 
-fn named(ui: &Ui, rect: Rect, series: &Series<'_>, palette: &Palette) {
+fn named(ui: &Ui, rect: Rect, series: &Series<'_>, palette: &Palette) -> Rect {
     let [width, height] = theme::SWATCH;
     let swatch = Rect::from_center_size(pos2(rect.left() + width / 2.0, rect.center().y), vec2(width, height));
     ui.painter().rect_filled(swatch, height / 2.0, series.colour(palette));
-    widgets::line_in(ui, beside_mark(rect), Align::Min, series.label, theme::body(), palette.quiet);
+    widgets::line_in(ui, beside_mark(rect), Align::Min, series.label, theme::body(), palette.quiet)
 }
 
-fn lamp_cell(ui: &mut Ui, size: Vec2, module: &Module, series: &Series<'_>, now: Timestamp) {
+pub(super) fn lamp_cell(ui: &mut Ui, size: Vec2, module: &Module, series: &Series<'_>, now: Timestamp) {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let freshness = series.freshness(module, now);
@@ -90,10 +107,10 @@ fn lamp_cell(ui: &mut Ui, size: Vec2, module: &Module, series: &Series<'_>, now:
     let place = widgets::line_in(ui, text, Align::Max, &word, theme::body(), colour);
     let name = text.with_max_x(place.left() - theme::UNIT);
     widgets::line_in(ui, name, Align::Min, series.label, theme::body(), palette.quiet);
-    tell(response, series, &word, &freshness);
+    tell(response, series, &freshness);
 }
 
-fn value_text(series: &Series<'_>) -> String {
+pub(super) fn value_text(series: &Series<'_>) -> String {
     let value = series.reading.and_then(|reading| reading.value.as_ref());
     value.map_or_else(|| words::UNKNOWN.to_owned(), |value| series.word(value))
 }
@@ -111,7 +128,8 @@ fn note(series: &Series<'_>, freshness: &Freshness, palette: &Palette) -> (Strin
 }
 
 /// Name, value and state for the pointer and for assistive technology.
-fn tell(response: Response, series: &Series<'_>, value: &str, freshness: &Freshness) {
+pub(super) fn tell(response: Response, series: &Series<'_>, freshness: &Freshness) {
+    let value = value_text(series);
     let unit = if series.unit.is_empty() { String::new() } else { format!(" {}", series.unit) };
     let state = match freshness {
         Freshness::Fresh => String::new(),
