@@ -3,7 +3,7 @@
 use super::definition::{
     Bits, Choice, Command, CommandAccess, Definition, Encoding, Field, FillFrom, Item, Kind, ModbusAccess, ModbusPlace,
 };
-use super::notation::{ANSWERED_FROM, Fields, INIT_ADDRESS};
+use super::notation::{ANSWERED_FROM, Fields, INIT_ADDRESS, Template};
 use super::value::{Fixed, Value, ValueError};
 use crate::protocol::{AnswerFrom, Failure, Protocol, Query, Reply, hex};
 
@@ -41,9 +41,8 @@ pub fn read_fields(command: &Command, address: u8, reply: &Reply) -> Result<Fiel
         Reply::Bytes(bytes) => hex::spaced(bytes).replace(' ', ""),
         other => return Err(Failure::UnknownShape { answer: format!("{other:?}") }),
     };
-    let found =
-        command.answers.iter().find_map(|answer| answer.read(address, &text).filter(|fields| fits(command, fields)));
-    let mut fields = found.ok_or(Failure::UnknownShape { answer: text })?;
+    let found = fitting(command, &command.answers, address, &text);
+    let (_, mut fields) = found.ok_or(Failure::UnknownShape { answer: text })?;
     for (name, from) in &command.filled_from {
         let value = match from {
             FillFrom::Address => stored_address(address, &fields),
@@ -55,6 +54,17 @@ pub fn read_fields(command: &Command, address: u8, reply: &Reply) -> Result<Fiel
         }
     }
     Ok(fields)
+}
+
+/// The first of a command's shapes that `text` has, with its fields.
+pub fn fitting<'a>(
+    command: &Command,
+    shapes: impl IntoIterator<Item = &'a Template>,
+    address: u8,
+    text: &str,
+) -> Option<(&'a Template, Fields)> {
+    let fits = |fields: &Fields| fits(command, fields);
+    shapes.into_iter().find_map(|shape| Some((shape, shape.read(address, text).filter(fits)?)))
 }
 
 /// Whether each field holds what the command declares it to hold.

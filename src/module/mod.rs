@@ -8,6 +8,7 @@ pub(crate) mod access;
 mod catalogue;
 mod check;
 pub(crate) mod definition;
+mod explain;
 mod file;
 mod identify;
 pub(crate) mod notation;
@@ -21,6 +22,7 @@ pub use definition::{
     Access, Action, Applies, Bits, Choice, Command, CommandAccess, Definition, Encoding, Field, FillFrom, Identity,
     Item, ItemKind, Kind, ModbusPlace, Optional,
 };
+pub use explain::{Danger, ExplainedField, Explanation, danger, explain};
 pub use identify::{Identified, identify};
 pub use notation::{Fields, Template};
 pub use read::{ReadPlan, ReadRun, present_options, read_items};
