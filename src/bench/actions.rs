@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::console::{RawCommand, Script};
 use super::{Bench, DEFAULT_INTERVAL, LineState, Module, ScanState, Severity};
 use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
 use crate::protocol::LineSettings;
@@ -51,6 +52,16 @@ pub enum Action {
     /// Send Host OK after each period, which may not be longer than the watchdog's timeout.
     StartHostOk(Target, Duration),
     StopHostOk(Target),
+    /// Send a command as it is, once.
+    SendRaw(Target, RawCommand),
+    /// Send a command as it is, again and again after each period.
+    RepeatRaw(Target, RawCommand, Duration),
+    /// End what repeats and the script of a module.
+    StopRaw(Target),
+    /// Run a script from its first line; the one that runs is stopped.
+    RunScript(Target, Script),
+    /// Forget the exchanges of a module.
+    ClearExchanges(Target),
     /// Begin to write what needs INIT mode, step by step.
     BeginInit(Target),
     /// The user has done what the present step asks for.
@@ -98,6 +109,15 @@ impl Bench {
             Action::Act(target, action) => self.act(target, action),
             Action::StartHostOk(target, period) => self.start_host_ok(target, period),
             Action::StopHostOk(target) => self.stop_host_ok(target),
+            Action::SendRaw(target, command) => self.send_raw(target, command),
+            Action::RepeatRaw(target, command, period) => {
+                self.on_module(&target, |module| module.console.repeat(command, period));
+            }
+            Action::StopRaw(target) => self.on_module(&target, |module| module.console.stop()),
+            Action::RunScript(target, script) => {
+                self.on_module(&target, |module| module.console.run(script, target.checksum));
+            }
+            Action::ClearExchanges(target) => self.on_module(&target, |module| module.console.clear()),
             Action::BeginInit(target) => self.begin_init(target),
             Action::ContinueInit => self.continue_init(),
             Action::LeaveInit => self.init = None,

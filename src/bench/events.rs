@@ -49,10 +49,8 @@ impl Bench {
             BusEvent::Identified { id, target, result } => self.identified(id, target, result),
             BusEvent::Traffic(frame) => self.traffic.push(frame),
             BusEvent::Statistics(statistics) => self.statistics = statistics,
-            BusEvent::Opened { .. }
-            | BusEvent::OpenFailed { .. }
-            | BusEvent::Closed { .. }
-            | BusEvent::RawAnswer { .. } => {}
+            BusEvent::RawAnswer { id, result } => self.raw_answer(id, result),
+            BusEvent::Opened { .. } | BusEvent::OpenFailed { .. } | BusEvent::Closed { .. } => {}
         }
     }
 

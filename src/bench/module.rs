@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
+use super::console::Console;
 use super::edits::Edit;
 use super::host_ok::HostOk;
 use super::journal::{EntryKind, Journal};
@@ -54,6 +55,8 @@ pub struct Module {
     pub journal: Journal,
     /// Host OK that is sent again and again on behalf of this module.
     pub host_ok: Option<HostOk>,
+    /// What was sent to it as it was typed.
+    pub console: Console,
     /// Optional parts that it has; `None` until it was asked.
     pub parts: Option<Vec<String>>,
     /// Reads under way, with what they ask for.
@@ -76,6 +79,7 @@ impl Module {
             edits: BTreeMap::new(),
             journal,
             host_ok: None,
+            console: Console::default(),
             parts: None,
             reads: Vec::new(),
             acting: BTreeMap::new(),
@@ -122,6 +126,7 @@ impl Module {
         self.acting.clear();
         self.interval = None;
         self.host_ok = None;
+        self.console.line_closed();
         for edit in self.edits.values_mut().filter(|edit| edit.is_being_written()) {
             edit.state = super::EditState::Refused("the line was closed before it was written".to_owned());
         }

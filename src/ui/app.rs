@@ -215,6 +215,10 @@ impl eframe::App for App {
         if !all_taken {
             ctx.request_repaint();
         }
+        let now = Instant::now();
+        if let Some(due) = self.bench.tick(now) {
+            ctx.request_repaint_after(due.saturating_duration_since(now));
+        }
         for (from, to) in self.bench.take_moves() {
             self.panes.follow(from, to);
         }

@@ -190,6 +190,11 @@ pub fn ink(palette: &Palette, ink: Ink) -> Color32 {
     }
 }
 
+/// What marks the line under way over its text.
+pub fn line_mark(palette: &Palette) -> Color32 {
+    palette.accent.gamma_multiply(SELECTION_FILL)
+}
+
 /// The type scale.
 pub const SMALL: f32 = 11.0;
 pub const BODY: f32 = 13.0;
@@ -202,6 +207,15 @@ pub fn small() -> FontId {
 
 pub fn body() -> FontId {
     FontId::proportional(BODY)
+}
+
+/// For what goes over the wire.
+pub fn mono() -> FontId {
+    FontId::monospace(BODY)
+}
+
+pub fn small_mono() -> FontId {
+    FontId::monospace(SMALL)
 }
 
 pub fn heading() -> FontId {
@@ -338,6 +352,28 @@ pub const STRONG: f32 = 0.04;
 /// Wider than this, lines are hard to follow.
 pub const TAB_WIDTH: f32 = 300.0 * UNIT;
 pub const COUNTDOWN_TEXT: f32 = 90.0 * UNIT;
+
+/// The tab of commands: from this width on reference, Modbus and scripts stand beside the console.
+pub const COMMANDS_WIDE: f32 = 225.0 * UNIT;
+pub const COMMANDS_SIDE: f32 = 108.0 * UNIT;
+/// The exchanges beneath another page, where there is no room beside it.
+pub const COMMANDS_BELOW: f32 = 28.0 * UNIT;
+pub const EXCHANGE_TIME: f32 = 20.0 * UNIT;
+/// A closed exchange, before its height is known.
+pub const EXCHANGE_HEIGHT: f32 = 12.0 * UNIT;
+/// Lines of explained fields: name, and as it is in the frame.
+pub const EXPLAINED_NAME: f32 = 40.0 * UNIT;
+pub const EXPLAINED_RAW: f32 = 24.0 * UNIT;
+pub const PERIOD_WIDTH: f32 = 22.0 * UNIT;
+/// Counts of a repeated command.
+pub const COUNTS_WIDTH: f32 = 46.0 * UNIT;
+/// Names before the fields of a command's form.
+pub const FIELD_NAME: f32 = 26.0 * UNIT;
+pub const NUMBER_FIELD: f32 = 20.0 * UNIT;
+pub const REGISTER_NUMBERS: f32 = 44.0 * UNIT;
+/// Line numbers of a script, and what is said beneath it.
+pub const GUTTER: f32 = 9.0 * UNIT;
+pub const SCRIPT_STATE: f32 = 13.0 * UNIT;
 
 /// The plot.
 pub const PLOT_HEIGHT: f32 = 70.0 * UNIT;

@@ -1,6 +1,7 @@
 //! The real window on a simulated line.
 
 mod analog;
+mod commands;
 mod dashboard;
 mod general;
 mod harness;

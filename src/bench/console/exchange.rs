@@ -23,6 +23,10 @@ pub struct Exchange {
     pub result: Option<Result<Vec<u8>, Failure>>,
     /// From sending to the answer, or to the end of waiting for it.
     pub took: Option<Duration>,
+    /// The line of the script that sent it, 1-based.
+    pub line: Option<usize>,
+    /// Whether the script found what it expected, or why not.
+    pub verdict: Option<Result<(), String>>,
 }
 
 impl Exchange {
@@ -48,7 +52,50 @@ impl ExchangeLog {
         while self.exchanges.len() >= EXCHANGES_KEPT {
             self.exchanges.pop_front();
         }
-        self.exchanges.push_back(Exchange { id, at, sent: command, result: None, took: None });
+        self.exchanges.push_back(Exchange {
+            id,
+            at,
+            sent: command,
+            result: None,
+            took: None,
+            line: None,
+            verdict: None,
+        });
+    }
+
+    /// [`Self::sent`], by a line of a script.
+    pub fn sent_by_script(&mut self, id: RequestId, at: Timestamp, command: RawCommand, line: Option<usize>) {
+        self.sent(id, at, command);
+        if let Some(exchange) = self.exchanges.back_mut() {
+            exchange.line = line;
+        }
+    }
+
+    /// What a script thinks of the last answer that it got.
+    pub fn judge(&mut self, verdict: Result<(), String>) {
+        if let Some(exchange) = self.exchanges.iter_mut().rev().find(|exchange| exchange.line.is_some()) {
+            exchange.verdict = Some(verdict);
+        }
+    }
+
+    /// The line's own times of a question that waits, which are more exact than when it was asked for.
+    pub fn correct_time(&mut self, id: RequestId, at: Timestamp) {
+        let waiting = |exchange: &&mut Exchange| exchange.id == id && exchange.result.is_none();
+        if let Some(exchange) = self.exchanges.iter_mut().rev().find(waiting) {
+            exchange.at = at;
+        }
+    }
+
+    /// The question that waits for its answer as `id`.
+    pub fn waiting(&self, id: RequestId) -> Option<&Exchange> {
+        self.exchanges.iter().rev().find(|exchange| exchange.id == id && exchange.result.is_none())
+    }
+
+    /// No answer comes any more.
+    pub fn give_up(&mut self, failure: &Failure) {
+        for exchange in self.exchanges.iter_mut().filter(|exchange| exchange.result.is_none()) {
+            exchange.result = Some(Err(failure.clone()));
+        }
     }
 
     /// Notes the answer to request `id`. False if no such request waits.

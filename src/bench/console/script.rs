@@ -108,6 +108,14 @@ impl Script {
         self.instructions.is_empty()
     }
 
+    /// What it sends, with the lines, 1-based.
+    pub fn commands(&self) -> impl Iterator<Item = (usize, &RawCommand)> {
+        self.instructions.iter().filter_map(|instruction| match &instruction.kind {
+            Kind::Send(command) => Some((instruction.line, command)),
+            _ => None,
+        })
+    }
+
     /// What [`check_typed`] says of the lines that send. `checksum` says whether DCON commands get one.
     pub fn hints(&self, checksum: bool) -> Vec<ScriptHint> {
         let of = |instruction: &Instruction| {

@@ -56,6 +56,8 @@ pub struct ScriptRun {
     /// The last command and what came back.
     last: Option<(RawCommand, Result<Vec<u8>, Failure>)>,
     done: u64,
+    /// Expectations that were met.
+    met: u64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +71,7 @@ enum State {
 impl ScriptRun {
     /// Begins at the first line. `checksum` says whether DCON commands carry one.
     pub fn new(script: Script, checksum: bool) -> Self {
-        Self { script, checksum, at: 0, left: Vec::new(), state: State::Ready, last: None, done: 0 }
+        Self { script, checksum, at: 0, left: Vec::new(), state: State::Ready, last: None, done: 0, met: 0 }
     }
 
     /// What is to be done at `now`. A [`Step::Send`] comes once; [`Step::Done`] and [`Step::Failed`] stay.
@@ -96,7 +98,10 @@ impl ScriptRun {
                     return Step::WaitUntil(until);
                 }
                 Kind::Expect(expectation) => match self.check(expectation) {
-                    Ok(()) => self.finish_instruction(),
+                    Ok(()) => {
+                        self.met = self.met.saturating_add(1);
+                        self.finish_instruction();
+                    }
                     Err(reason) => return self.fail(line, reason),
                 },
                 Kind::Repeat { count } => {
@@ -134,6 +139,11 @@ impl ScriptRun {
 
     pub fn progress(&self) -> Progress {
         Progress { done: self.done, total: self.script.steps() }
+    }
+
+    /// Expectations that were met so far.
+    pub fn met(&self) -> u64 {
+        self.met
     }
 
     /// How many times the innermost open repeat has still to be done after this time.

@@ -28,8 +28,10 @@ pub const NAMED_SPANS: [f64; 4] = [60.0, 300.0, 900.0, 3_600.0];
 const ZOOMS: RangeInclusive<f32> = 0.5..=3.0;
 /// Lines remembered.
 pub const RECENT_PORTS: usize = 8;
-/// Scripts remembered, and commands remembered.
+/// Commands remembered.
 pub const HISTORY: usize = 200;
+/// Scripts remembered, each as a whole.
+const SCRIPTS: usize = 20;
 /// Stands before a host in the list of recent lines, so that no port's name is taken for one.
 const TCP_MARK: &str = "tcp://";
 
@@ -107,7 +109,7 @@ pub struct Settings {
     pub line_settings: LineSettings,
     /// Lines that were opened, the latest first: a port's name, or a host after `tcp://`. See [`recent_line`].
     pub recent_ports: Vec<String>,
-    /// Files of scripts, the latest first.
+    /// Scripts that were run, the latest first.
     pub recent_scripts: Vec<String>,
     /// Commands that were typed, the latest first, each once.
     pub command_history: Vec<String>,
@@ -156,7 +158,7 @@ impl Settings {
             self.span = DEFAULT_SPAN;
         }
         tidy(&mut self.recent_ports, RECENT_PORTS);
-        tidy(&mut self.recent_scripts, HISTORY);
+        tidy(&mut self.recent_scripts, SCRIPTS);
         tidy(&mut self.command_history, HISTORY);
     }
 
@@ -186,8 +188,8 @@ impl Settings {
         put_first(&mut self.recent_ports, entry, RECENT_PORTS);
     }
 
-    pub fn note_script(&mut self, file: impl Into<String>) {
-        put_first(&mut self.recent_scripts, file.into(), HISTORY);
+    pub fn note_script(&mut self, script: impl Into<String>) {
+        put_first(&mut self.recent_scripts, script.into(), SCRIPTS);
     }
 
     pub fn note_command(&mut self, command: impl Into<String>) {
