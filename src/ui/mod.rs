@@ -15,6 +15,7 @@ mod module_view;
 mod notices;
 mod panes;
 mod picture;
+mod save_dialog;
 mod scan_form;
 mod settings;
 mod status;

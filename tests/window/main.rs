@@ -2,3 +2,4 @@
 
 mod general;
 mod harness;
+mod summary;
