@@ -10,7 +10,10 @@ mod init;
 mod journal;
 mod module;
 mod notice;
+pub mod objects;
+pub mod summary;
 mod switch_kind;
+mod tab_names;
 pub mod traffic;
 mod writing;
 
@@ -28,6 +31,7 @@ pub use journal::{Entry, EntryKind, Journal};
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
 pub use switch_kind::SwitchKind;
+pub use tab_names::{tab_label, tab_place};
 use traffic::{FrameRef, TrafficLog};
 
 use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};

@@ -2,14 +2,14 @@
 
 use std::io::{self, Write};
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::Outcome;
 use super::stop::Stop;
+pub use crate::bench::objects::{ModuleObject, ValuesObject};
+use crate::bench::summary::aligned;
 use crate::bus::{Target, Values};
 use crate::module::{Definition, Identified, Item, Value};
-use crate::protocol::{BaudRate, DataFormat, Protocol};
 
 /// Writes a line to standard output, at once.
 pub fn line(text: &str) -> Outcome {
@@ -53,75 +53,7 @@ impl Table {
     }
 
     fn lines(&self) -> Vec<String> {
-        let mut widths: Vec<usize> = Vec::new();
-        for row in &self.rows {
-            widths.resize(widths.len().max(row.len()), 0);
-            for (width, cell) in widths.iter_mut().zip(row) {
-                *width = (*width).max(cell.chars().count());
-            }
-        }
-        let pad = |row: &Vec<String>| {
-            let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:width$}")).collect();
-            cells.join("  ").trim_end().to_owned()
-        };
-        self.rows.iter().map(pad).collect()
-    }
-}
-
-/// A found module in JSON.
-#[derive(Debug, Serialize)]
-pub struct ModuleObject<'a> {
-    address: u8,
-    protocol: Protocol,
-    baud_rate: BaudRate,
-    data_format: DataFormat,
-    checksum: bool,
-    model: &'a str,
-    name: &'a str,
-    firmware: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    said: Option<&'a str>,
-}
-
-impl<'a> ModuleObject<'a> {
-    pub fn new(target: &Target, identified: &'a Identified) -> Self {
-        Self {
-            address: target.address,
-            protocol: target.protocol,
-            baud_rate: target.settings.baud_rate,
-            data_format: target.settings.data_format,
-            checksum: target.checksum,
-            model: identified.model(),
-            name: &identified.name,
-            firmware: &identified.firmware,
-            said: identified.definition.is_none().then_some(&identified.said),
-        }
-    }
-}
-
-/// Values by name in JSON, in their order; those that could not be read are null.
-#[derive(Debug)]
-pub struct ValuesObject<'a>(pub Vec<(&'a str, Option<&'a Value>)>);
-
-impl<'a> ValuesObject<'a> {
-    pub fn new(values: &'a Values) -> Self {
-        Self::of(values, |_| true)
-    }
-
-    /// Those with an id that is `wanted`.
-    pub fn of(values: &'a Values, wanted: impl Fn(&str) -> bool) -> Self {
-        let wanted = values.iter().filter(|(id, _)| wanted(id));
-        Self(wanted.map(|(id, result)| (id.as_str(), result.as_ref().ok())).collect())
-    }
-}
-
-impl Serialize for ValuesObject<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (id, value) in &self.0 {
-            map.serialize_entry(id, value)?;
-        }
-        map.end()
+        aligned(&self.rows)
     }
 }
 

@@ -9,6 +9,7 @@ mod svg;
 mod switches;
 
 pub use sensor_face::{Zone, ZoneState, sensor_face};
+pub(crate) use svg::escaped;
 pub use svg::svg;
 pub use switches::switch_picture;
 

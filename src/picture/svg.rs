@@ -107,7 +107,7 @@ fn colour(ink: Ink, colours: &dyn Fn(Ink) -> [u8; 3]) -> String {
 }
 
 /// Text as XML takes it; control characters, which it does not take, are left out.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars().filter(|character| *character == '\n' || !character.is_control()) {
         match character {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Id, Modal, TextEdit};
 
+use super::save_dialog::SaveDialog;
 use super::{theme, widgets};
 use crate::bench::{Action, Severity};
 
@@ -18,6 +19,7 @@ pub struct Dialogs {
     pending: Option<(Receiver<Option<PathBuf>>, Instant)>,
     /// The field that stands in for it.
     path: Option<String>,
+    pub save: SaveDialog,
 }
 
 impl Dialogs {
@@ -46,6 +48,7 @@ impl Dialogs {
 
     pub fn show(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
         self.take_answer(actions);
+        self.save.show(ctx, actions);
         if let Some(mut path) = self.path.take() {
             self.path = path_field(ctx, &mut path, actions).then_some(path);
         }

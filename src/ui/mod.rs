@@ -18,6 +18,7 @@ mod notices;
 mod pane_tabs;
 mod panes;
 mod picture;
+mod save_dialog;
 mod scan_form;
 mod settings;
 mod status;

@@ -345,6 +345,15 @@ pub const CONTACT_LIFT: f32 = 0.55;
 pub const RELAY_REASON: f32 = 8.0 * UNIT;
 pub const HISTORY_NAME: f32 = 28.0 * UNIT;
 pub const HISTORY_WORDS: f32 = 44.0 * UNIT;
+/// Summary: facts in two columns, and its table.
+pub const SUMMARY_ROW: f32 = 5.0 * UNIT;
+pub const SUMMARY_NAME: f32 = 22.0 * UNIT;
+pub const SUMMARY_FACT: f32 = 46.0 * UNIT;
+pub const SUMMARY_NOTES: f32 = 90.0 * UNIT;
+pub const SUMMARY_LABEL: f32 = 48.0 * UNIT;
+pub const SUMMARY_VALUE: f32 = 32.0 * UNIT;
+pub const SUMMARY_FACTORY: f32 = 28.0 * UNIT;
+pub const SUMMARY_REMARK: f32 = 36.0 * UNIT;
 /// A picture of what is no longer fresh.
 pub const FADED: f32 = 0.45;
 /// How far the two prints of strong text lie apart, as a part of its size.

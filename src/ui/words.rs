@@ -4,11 +4,7 @@ use std::time::Duration;
 
 use jiff::{Timestamp, tz::TimeZone};
 
-use crate::bus::Target;
-use crate::protocol::Protocol;
-
-/// Stands for a value that is not known.
-pub const UNKNOWN: &str = "–";
+pub use crate::bench::summary::{UNKNOWN, address, spoken};
 
 /// `12 s`, `4 min 10 s`, `3 h 20 min`: what remains, or how long something takes.
 pub fn span(span: Duration) -> String {
@@ -43,21 +39,6 @@ pub fn age(age: Duration) -> String {
 /// How long ago `at` was; never negative.
 pub fn since(at: Timestamp, now: Timestamp) -> Duration {
     now.duration_since(at).try_into().unwrap_or_default()
-}
-
-/// Decimal and hexadecimal, as on the module's switches: `160 (A0h)`.
-pub fn address(address: u8) -> String {
-    format!("{address} ({address:02X}h)")
-}
-
-/// `Modbus RTU 9600 N81`, `DCON 19200 N81 checksum`, `Modbus TCP`.
-pub fn spoken(target: &Target) -> String {
-    let Target { protocol, settings, checksum, .. } = target;
-    if *protocol == Protocol::ModbusTcp {
-        return protocol.label().to_owned();
-    }
-    let checksum = if *checksum { " checksum" } else { "" };
-    format!("{} {settings}{checksum}", protocol.label())
 }
 
 /// Poll intervals: `0.2 s`, `5 s`, `1 min`.

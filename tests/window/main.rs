@@ -7,4 +7,5 @@ mod general;
 mod harness;
 mod panes;
 mod relay;
+mod summary;
 mod watchdog;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Button, Role, Ui, WidgetInfo, vec2};
 
-use crate::bench::Module;
+use crate::bench::{Module, tab_label, tab_place};
 use crate::module::Item;
 use crate::ui::settings::Settings;
 use crate::ui::theme;
@@ -17,21 +17,11 @@ pub enum Tab {
     Summary,
 }
 
-/// Tabs in the order in which an engineer expects them; others follow in the order of the definition.
-const KNOWN: [(&str, &str); 6] = [
-    ("configuration", "Configuration"),
-    ("ai", "AI"),
-    ("pir", "PIR / Relay"),
-    ("wdt", "Host WDT"),
-    ("network", "Network"),
-    ("wifi", "Wi-Fi"),
-];
-
 impl Tab {
     /// What stands on it; a tab that only its definition knows has the name that it has there.
     pub fn label(&self) -> &str {
         match self {
-            Self::Of(id) => KNOWN.iter().find(|(known, _)| known == id).map_or(id.as_str(), |(_, label)| label),
+            Self::Of(id) => tab_label(id),
             Self::Commands => "Commands",
             Self::Log => "Log",
             Self::Summary => "Summary",
@@ -75,8 +65,7 @@ pub fn of(module: &Module) -> Vec<Tab> {
             ids.push(id);
         }
     }
-    let place = |id: &str| KNOWN.iter().position(|(known, _)| *known == id).unwrap_or(KNOWN.len());
-    ids.sort_by_key(|id| place(id));
+    ids.sort_by_key(|id| tab_place(id));
     let filled = |id: &&String| !items(module, id).is_empty() || !actions(module, id).is_empty();
     let own = ids.into_iter().filter(filled).map(|id| Tab::Of(id.clone()));
     own.chain([Tab::Commands, Tab::Log, Tab::Summary]).collect()
