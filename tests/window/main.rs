@@ -2,3 +2,5 @@
 
 mod general;
 mod harness;
+mod log;
+mod traffic;
