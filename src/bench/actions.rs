@@ -74,6 +74,8 @@ pub enum Action {
     /// Tell something that happened in the window itself.
     Notify(Severity, String),
     ClearNotices,
+    /// Forget what passed the line so far.
+    ClearTraffic,
 }
 
 /// What a person would do with the hands, for modules that are simulated.
@@ -125,6 +127,7 @@ impl Bench {
             Action::AddDefinition(path) => self.add_definition(&path),
             Action::Notify(severity, text) => self.notify(severity, text),
             Action::ClearNotices => self.notices.clear(),
+            Action::ClearTraffic => self.clear_traffic(),
         }
     }
 

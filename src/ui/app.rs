@@ -11,6 +11,7 @@ use super::dialogs::Dialogs;
 use super::guard::{Confirm, Guard};
 use super::notices::Notices;
 use super::panes::{Pane, Panes};
+use super::saving::SaveAs;
 use super::scan_form::ScanForm;
 use super::settings::{LineChoice, Settings, SettingsFile};
 use super::{connect, module_list, notices, scan_form, status, theme};
@@ -39,6 +40,8 @@ pub struct Pass<'a> {
     pub actions: &'a mut Vec<Action>,
     /// A question to be asked before its actions are carried out.
     pub confirm: &'a mut Option<Confirm>,
+    /// A file to be written; the user is asked where.
+    pub save: &'a mut Option<SaveAs>,
     /// Panes that the user wants closed.
     pub closing: &'a mut Vec<Pane>,
     /// Commands that were chosen or typed; they are carried out when everything is drawn.
@@ -91,6 +94,12 @@ impl App {
     /// Keeps the settings in `file` from now on.
     pub fn keeping_settings_in(mut self, file: Option<SettingsFile>) -> Self {
         self.settings_file = file;
+        self
+    }
+
+    /// Asks for files in a field of the window from now on, and not with the system's dialog.
+    pub fn without_system_dialogs(mut self) -> Self {
+        self.dialogs.only_field = true;
         self
     }
 
@@ -150,13 +159,14 @@ impl App {
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
         let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, .. } = self;
         let palette = theme::palette(ui);
-        let (mut confirm, mut closing, mut commands) = (None, Vec::new(), Vec::new());
+        let (mut confirm, mut save, mut closing, mut commands) = (None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
             bench,
             settings,
             connect,
             actions,
             confirm: &mut confirm,
+            save: &mut save,
             closing: &mut closing,
             commands: &mut commands,
             active: panes.active(),
@@ -182,11 +192,14 @@ impl App {
             .frame(theme::list_frame(palette))
             .show(ui, |ui| module_list::show(ui, &mut pass));
         CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
-        dialogs.show(ui.ctx(), pass.actions);
+        dialogs.show(ui.ctx(), bench, pass.actions);
         pass.active = panes.active();
         for command in std::mem::take(pass.commands) {
             command.carry_out(ui.ctx(), &mut pass, panes);
             ui.ctx().request_repaint();
+        }
+        if let Some(save) = save {
+            dialogs.ask_to_save(ui.ctx(), save);
         }
         if let Some(confirm) = confirm {
             guard.confirm(confirm);

@@ -1,101 +1,195 @@
 //! Asks for a file: with the system's dialog, on a thread of its own, or in a field where the system has none.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Id, Modal, TextEdit};
 
-use super::save_dialog::SaveDialog;
+use super::saving::{SaveAs, Saving};
 use super::{theme, widgets};
-use crate::bench::{Action, Severity};
+use crate::bench::{Action, Bench, Severity};
 
 /// A dialog that is closed sooner was never shown: the system has none.
 const SOONEST_ANSWER: Duration = Duration::from_millis(700);
 
+/// What a file is asked for.
+enum Purpose {
+    AddDefinition,
+    Save(SaveAs),
+}
+
+impl Purpose {
+    fn title(&self) -> &str {
+        match self {
+            Self::AddDefinition => "Add definition file",
+            Self::Save(save) => &save.title,
+        }
+    }
+
+    /// The system's dialog; blocks until it is answered.
+    fn question(&self) -> impl FnOnce() -> Option<PathBuf> + Send + 'static {
+        let dialog = rfd::FileDialog::new().set_title(self.title());
+        let save_as = match self {
+            Self::AddDefinition => None,
+            Self::Save(save) => Some(save.name.clone()),
+        };
+        move || match save_as {
+            None => dialog.add_filter("Module definitions", &["toml"]).pick_file(),
+            Some(name) => dialog.set_file_name(name).save_file(),
+        }
+    }
+
+    /// What stands in the field at first.
+    fn proposal(&self) -> String {
+        match self {
+            Self::AddDefinition => String::new(),
+            Self::Save(save) => std::env::current_dir().unwrap_or_default().join(&save.name).display().to_string(),
+        }
+    }
+}
+
 #[derive(Default)]
 pub struct Dialogs {
     /// The system's dialog, and since when it is open.
-    pending: Option<(Receiver<Option<PathBuf>>, Instant)>,
+    pending: Option<(Purpose, Receiver<Option<PathBuf>>, Instant)>,
     /// The field that stands in for it.
-    path: Option<String>,
-    pub save: SaveDialog,
+    field: Option<(Purpose, String)>,
+    saving: Vec<Saving>,
+    /// The system is not asked.
+    pub only_field: bool,
 }
 
 impl Dialogs {
     /// Opens the system's dialog; the action follows when a file was chosen.
     pub fn ask_for_definition(&mut self, ctx: &egui::Context) {
-        if self.pending.is_some() || self.path.is_some() {
+        self.ask(ctx, Purpose::AddDefinition);
+    }
+
+    /// Opens the system's dialog; the file is written when a place was chosen, and a notice tells of it.
+    pub fn ask_to_save(&mut self, ctx: &egui::Context, save: SaveAs) {
+        self.ask(ctx, Purpose::Save(save));
+    }
+
+    fn ask(&mut self, ctx: &egui::Context, purpose: Purpose) {
+        if self.pending.is_some() || self.field.is_some() {
             return;
         }
+        ctx.request_repaint();
+        if self.only_field {
+            return self.ask_in_field(purpose);
+        }
         let (answer, pending) = sync_channel(1);
-        let ctx = ctx.clone();
+        let (ctx, question) = (ctx.clone(), purpose.question());
         let ask = move || {
-            let dialog =
-                rfd::FileDialog::new().set_title("Add definition file").add_filter("Module definitions", &["toml"]);
             // Nobody waits any more if the window was closed meanwhile.
-            let _ = answer.send(dialog.pick_file());
+            let _ = answer.send(question());
             ctx.request_repaint();
         };
         match std::thread::Builder::new().name("file dialog".to_owned()).spawn(ask) {
-            Ok(_) => self.pending = Some((pending, Instant::now())),
+            Ok(_) => self.pending = Some((purpose, pending, Instant::now())),
             Err(error) => {
                 log::warn!("the file dialog cannot be opened: {error}");
-                self.path = Some(String::new());
+                self.ask_in_field(purpose);
             }
         }
     }
 
-    pub fn show(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
-        self.take_answer(actions);
-        self.save.show(ctx, actions);
-        if let Some(mut path) = self.path.take() {
-            self.path = path_field(ctx, &mut path, actions).then_some(path);
-        }
+    fn ask_in_field(&mut self, purpose: Purpose) {
+        let path = purpose.proposal();
+        self.field = Some((purpose, path));
     }
 
-    fn take_answer(&mut self, actions: &mut Vec<Action>) {
-        let Some((pending, since)) = &self.pending else { return };
+    /// Takes in answers, goes on with files that are written, and shows the field.
+    pub fn show(&mut self, ctx: &egui::Context, bench: &Bench, actions: &mut Vec<Action>) {
+        self.take_answer(ctx, actions);
+        if let Some((purpose, mut path)) = self.field.take() {
+            match path_field(ctx, &purpose, &mut path) {
+                Answer::None => self.field = Some((purpose, path)),
+                Answer::Path(path) => self.carry_out(ctx, purpose, path, actions),
+                Answer::Nothing => {}
+            }
+        }
+        self.saving.retain_mut(|saving| {
+            let has_more = saving.go_on(ctx, bench, actions);
+            let is_stopped = has_more && saving.show(ctx);
+            if is_stopped {
+                actions.push(Action::Notify(Severity::Warning, saving.stopped()));
+            }
+            has_more && !is_stopped
+        });
+    }
+
+    fn take_answer(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        let Some((purpose, pending, since)) = self.pending.take() else { return };
         match pending.try_recv() {
-            Err(TryRecvError::Empty) => return,
-            Ok(Some(path)) => actions.push(Action::AddDefinition(path)),
+            Err(TryRecvError::Empty) => self.pending = Some((purpose, pending, since)),
+            Ok(Some(path)) => self.carry_out(ctx, purpose, path, actions),
             Ok(None) if since.elapsed() > SOONEST_ANSWER => {}
-            Ok(None) => self.path = Some(String::new()),
+            Ok(None) => self.ask_in_field(purpose),
             Err(TryRecvError::Disconnected) => {
                 actions.push(Action::Notify(
                     Severity::Warning,
                     "The file dialog ended – write the path instead".to_owned(),
                 ));
-                self.path = Some(String::new());
+                self.ask_in_field(purpose);
             }
         }
-        self.pending = None;
+    }
+
+    fn carry_out(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf, actions: &mut Vec<Action>) {
+        match purpose {
+            Purpose::AddDefinition => actions.push(Action::AddDefinition(path)),
+            Purpose::Save(save) => match Saving::start(path, save.contents, ctx) {
+                Ok(saving) => {
+                    self.saving.push(saving);
+                    ctx.request_repaint();
+                }
+                Err(error) => {
+                    let text = format!("Nothing was written ({error}) – close other programs and try again");
+                    actions.push(Action::Notify(Severity::Error, text));
+                }
+            },
+        }
     }
 }
 
-/// Asks for a path; false when it is done with.
-fn path_field(ctx: &egui::Context, path: &mut String, actions: &mut Vec<Action>) -> bool {
-    let mut open = true;
+/// What became of the field.
+enum Answer {
+    /// It is still open.
+    None,
+    Path(PathBuf),
+    Nothing,
+}
+
+/// Asks for a path.
+fn path_field(ctx: &egui::Context, purpose: &Purpose, path: &mut String) -> Answer {
+    let (explanation, hint, does) = match purpose {
+        Purpose::AddDefinition => ("Write the path of a *.toml file:", "/home/me/my-module.toml", "Add"),
+        Purpose::Save(_) => ("Write the path of the new file:", "/home/me/file.csv", "Save"),
+    };
+    let mut answer = Answer::None;
     let modal = Modal::new(Id::unique("path")).show(ctx, |ui| {
         ui.set_width(theme::PATH_WIDTH);
-        ui.heading("Add definition file");
-        widgets::quiet(ui, "This system has no file dialog. Write the path of a *.toml file:");
-        let field =
-            ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text("/home/me/my-module.toml"));
-        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
+        ui.heading(purpose.title());
+        widgets::quiet(ui, &format!("This system has no file dialog. {explanation}"));
+        let field = ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text(hint));
+        widgets::name_field(&field, "Path", path);
         field.request_focus();
-        ui.add_space(theme::UNIT);
+        let chosen = Path::new(path.trim());
+        let replaces = matches!(purpose, Purpose::Save(_)) && chosen.exists();
+        widgets::quiet_small(ui, if replaces { "There is such a file already; it will be replaced." } else { "" });
         ui.horizontal(|ui| {
             let enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
-            let add = ui.add_enabled(!path.trim().is_empty(), egui::Button::new("Add"));
-            if add.clicked() || (enter && !path.trim().is_empty()) {
-                actions.push(Action::AddDefinition(PathBuf::from(path.trim())));
-                open = false;
+            let is_named = !path.trim().is_empty();
+            let button = ui.add_enabled(is_named, egui::Button::new(if replaces { "Replace" } else { does }));
+            if button.clicked() || (enter && is_named) {
+                answer = Answer::Path(chosen.to_path_buf());
             }
             if ui.button("Cancel").clicked() {
-                open = false;
+                answer = Answer::Nothing;
             }
         });
     });
-    open && !modal.should_close()
+    if matches!(answer, Answer::None) && modal.should_close() { Answer::Nothing } else { answer }
 }

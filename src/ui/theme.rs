@@ -299,6 +299,24 @@ pub const SWATCH: [f32; 2] = [3.0 * UNIT, 3.0];
 pub const ROW_HEIGHT: f32 = 16.0 * UNIT;
 pub const ROW_MARGIN: f32 = 2.0 * UNIT;
 
+/// Long lists. An even number of points, so that the place of the millionth row is exact in 32 bits.
+pub const LIST_ROW: f32 = 5.0 * UNIT;
+pub const TIME_COLUMN: f32 = 21.0 * UNIT;
+pub const DIRECTION_COLUMN: f32 = 20.0 * UNIT;
+pub const ADDRESS_COLUMN: f32 = 12.0 * UNIT;
+pub const TOOK_COLUMN: f32 = 16.0 * UNIT;
+pub const STATE_COLUMN: f32 = 22.0 * UNIT;
+/// Bytes take this part of what the other columns leave.
+pub const BYTES_PART: f32 = 0.4;
+pub const BYTES_RANGE: [f32; 2] = [30.0 * UNIT, 110.0 * UNIT];
+pub const SEARCH_WIDTH: f32 = 52.0 * UNIT;
+pub const COUNT_WIDTH: f32 = 50.0 * UNIT;
+pub const CHOICE_WIDTH: f32 = 30.0 * UNIT;
+/// What the chosen line holds, below its list.
+pub const DETAILS: f32 = 44.0 * UNIT;
+pub const LOG_DETAILS: f32 = 30.0 * UNIT;
+pub const DETAILS_RANGE: std::ops::RangeInclusive<f32> = 20.0 * UNIT..=120.0 * UNIT;
+
 /// Readings.
 pub const READING: [f32; 2] = [46.0 * UNIT, 18.0 * UNIT];
 pub const READING_DIGITS: f32 = 29.0 * UNIT;
@@ -423,6 +441,17 @@ pub fn list_frame(palette: &Palette) -> egui::Frame {
 
 pub fn ground_frame(palette: &Palette) -> egui::Frame {
     egui::Frame::new().fill(palette.ground).inner_margin(Margin { left: 16, right: 16, top: 12, bottom: 8 })
+}
+
+/// The part below a list that tells more of its chosen line.
+pub fn details_frame() -> egui::Frame {
+    egui::Frame::new().inner_margin(Margin { left: 0, right: 0, top: 8, bottom: 0 })
+}
+
+/// The column of bytes, of what the fixed columns leave to it and to their meaning.
+pub fn bytes_width(room: f32) -> f32 {
+    let [least, most] = BYTES_RANGE;
+    (room * BYTES_PART).round().clamp(least, most)
 }
 
 pub fn error_frame(palette: &Palette) -> egui::Frame {

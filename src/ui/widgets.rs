@@ -35,6 +35,10 @@ pub enum Glyph {
     Edited,
     /// Out of the window.
     Detach,
+    /// To a module.
+    Sent,
+    /// From a module.
+    Received,
 }
 
 impl Glyph {
@@ -85,6 +89,14 @@ pub fn paint_glyph(painter: &Painter, glyph: Glyph, centre: Pos2, size: f32, col
             painter.line_segment([square.center(), corner], stroke);
             painter.line_segment([corner, corner + vec2(-radius * 0.8, 0.0)], stroke);
             painter.line_segment([corner, corner + vec2(0.0, radius * 0.8)], stroke);
+        }
+        Glyph::Sent | Glyph::Received => {
+            let ahead = if glyph == Glyph::Sent { radius } else { -radius };
+            let (tip, tail) = (centre + vec2(ahead, 0.0), centre - vec2(ahead, 0.0));
+            painter.line_segment([tail, tip], stroke);
+            for side in [-0.6, 0.6] {
+                painter.line_segment([tip, tip + vec2(-ahead * 0.7, radius * side)], stroke);
+            }
         }
         Glyph::Cross => {
             let half = vec2(radius, radius) * 0.8;

@@ -59,6 +59,22 @@ pub fn time_of_day(seconds_utc: f64, decimals: u8) -> String {
     at.to_zoned(TimeZone::system()).strftime(format).to_string()
 }
 
+/// Local time of day to a millisecond.
+pub fn clock(at: Timestamp) -> String {
+    at.to_zoned(TimeZone::system()).strftime("%H:%M:%S%.3f").to_string()
+}
+
+/// `8.3 ms`, `1250 ms`: how long a frame took.
+pub fn milliseconds(span: Duration) -> String {
+    let milliseconds = span.as_secs_f64() * 1e3;
+    if milliseconds < 1_000.0 { format!("{milliseconds:.1} ms") } else { format!("{milliseconds:.0} ms") }
+}
+
+/// Local date and time as a part of a file's name: `2026-03-02-093000`.
+pub fn for_file(at: Timestamp) -> String {
+    at.to_zoned(TimeZone::system()).strftime("%Y-%m-%d-%H%M%S").to_string()
+}
+
 /// Seconds since 1970 UTC, as trends count them.
 pub fn seconds(at: Timestamp) -> f64 {
     at.as_nanosecond() as f64 / 1e9

@@ -61,10 +61,26 @@ pub fn write_csv(
     log: &TrafficLog,
     seqs: impl IntoIterator<Item = u64>,
     explain: Explain<'_>,
+    mut to: impl Write,
+) -> io::Result<u64> {
+    let mut header = csv::Writer::from_writer(&mut to);
+    header.write_record(COLUMNS)?;
+    header.flush()?;
+    drop(header);
+    append_csv(log, seqs, explain, to)
+}
+
+/// As [`write_csv`], without the line of column names: for a file that is written in several steps.
+///
+/// # Errors
+/// What `to` says.
+pub fn append_csv(
+    log: &TrafficLog,
+    seqs: impl IntoIterator<Item = u64>,
+    explain: Explain<'_>,
     to: impl Write,
 ) -> io::Result<u64> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(to);
-    writer.write_record(COLUMNS)?;
     let count = each(log, seqs, explain, |row| Ok(writer.serialize(row)?))?;
     writer.flush()?;
     Ok(count)

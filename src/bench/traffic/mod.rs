@@ -6,7 +6,7 @@ mod export;
 mod filter;
 mod log;
 
-pub use export::{write_csv, write_json_lines};
+pub use export::{append_csv, write_csv, write_json_lines};
 pub use filter::{FilteredTraffic, FrameFilter};
 pub use log::{FrameRef, Outcome, TrafficLog};
 

@@ -79,7 +79,7 @@ impl ModuleView {
         let room = ui.available_height() - edits_bar::HEIGHT - theme::UNIT;
         ui.scope(|ui| {
             ui.set_height(room);
-            self.contents(ui, &tab, module, pass, dialogs);
+            self.contents(ui, &tab, module, pass);
         });
         edits_bar::show(ui, module, pass);
     }
@@ -89,7 +89,7 @@ impl ModuleView {
         self.asked.clear();
     }
 
-    fn contents(&mut self, ui: &mut Ui, tab: &Tab, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
+    fn contents(&mut self, ui: &mut Ui, tab: &Tab, module: &Module, pass: &mut Pass<'_>) {
         ui.push_id(tab.key(), |ui| match tab {
             Tab::Of(id) => scrolled(ui, |ui| match id.as_str() {
                 "configuration" => self.configuration.show(ui, module, pass),
@@ -100,7 +100,7 @@ impl ModuleView {
             }),
             Tab::Commands => self.commands.show(ui, module, pass),
             Tab::Log => self.log.show(ui, module, pass),
-            Tab::Summary => self.summary.show(ui, module, pass, dialogs),
+            Tab::Summary => self.summary.show(ui, module, pass),
         });
     }
 

@@ -8,8 +8,8 @@ use super::{form, theme};
 use crate::bench::summary::{self, Entry, Group};
 use crate::bench::{Action, LineState, Module, Presence, Severity};
 use crate::ui::app::Pass;
-use crate::ui::dialogs::Dialogs;
 use crate::ui::picture::{self, Look};
+use crate::ui::saving::{SaveAs, WholeText};
 use crate::ui::widgets::{self, Glyph};
 use crate::ui::words;
 
@@ -20,11 +20,11 @@ pub struct Summary {
 }
 
 impl Summary {
-    pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Dialogs) {
+    pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         let summary = summary::Summary::of(module, pass.bench.now());
         ui.horizontal(|ui| {
             read_again(ui, module, pass);
-            exports(ui, &summary, pass.actions, dialogs);
+            exports(ui, &summary, pass);
             let text = "Only what differs from factory";
             widgets::at_right(ui, |ui| drop(ui.add(Checkbox::new(&mut self.only_different, text))));
         });
@@ -68,23 +68,28 @@ fn read_again(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
     }
 }
 
-fn exports(ui: &mut Ui, summary: &summary::Summary, actions: &mut Vec<Action>, dialogs: &mut Dialogs) {
+fn exports(ui: &mut Ui, summary: &summary::Summary, pass: &mut Pass<'_>) {
     if ui.button("Copy as text").on_hover_text("With aligned columns, such as for an e-mail").clicked() {
         ui.ctx().copy_text(summary.to_text());
-        actions.push(Action::Notify(Severity::Info, "The summary was copied as text".to_owned()));
+        pass.actions.push(Action::Notify(Severity::Info, "The summary was copied as text".to_owned()));
     }
     if ui.button("Save as HTML…").on_hover_text("One page with the pictures, to hand on or to print").clicked() {
-        dialogs.save.ask(ui.ctx(), "Save as HTML", summary.file_name("html"), "html", summary.to_html());
+        save_as(pass, "Save as HTML", summary.file_name("html"), summary.to_html());
     }
     if ui.button("Save as JSON…").on_hover_text("Values by their names, for programs").clicked() {
         match summary.to_json() {
-            Ok(text) => dialogs.save.ask(ui.ctx(), "Save as JSON", summary.file_name("json"), "json", text),
+            Ok(text) => save_as(pass, "Save as JSON", summary.file_name("json"), text),
             Err(error) => {
                 let text = format!("The summary was not saved ({error}) – save it as HTML instead");
-                actions.push(Action::Notify(Severity::Error, text));
+                pass.actions.push(Action::Notify(Severity::Error, text));
             }
         }
     }
+}
+
+fn save_as(pass: &mut Pass<'_>, title: &str, name: String, text: String) {
+    let contents = Box::new(WholeText { what: "The summary was".to_owned(), text });
+    *pass.save = Some(SaveAs { title: title.to_owned(), name, contents });
 }
 
 /// In two columns, read downwards.
