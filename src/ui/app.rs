@@ -8,6 +8,7 @@ use eframe::egui::{self, CentralPanel, Panel};
 use super::connect::Connect;
 use super::dialogs::Dialogs;
 use super::guard::{Confirm, Guard};
+use super::init_guide::InitGuide;
 use super::notices::Notices;
 use super::panes::{Pane, Panes};
 use super::scan_form::ScanForm;
@@ -51,6 +52,7 @@ pub struct App {
     guard: Guard,
     notices: Notices,
     dialogs: Dialogs,
+    init_guide: InitGuide,
     /// What was chosen before a demonstration, which is not to be remembered.
     line_before_demo: Option<LineChoice>,
     /// Where the settings are kept; nowhere in tests.
@@ -72,6 +74,7 @@ impl App {
             guard: Guard::default(),
             notices: Notices::default(),
             dialogs: Dialogs::default(),
+            init_guide: InitGuide::default(),
             line_before_demo: None,
             settings_file: None,
         };
@@ -143,7 +146,7 @@ impl App {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, .. } = self;
+        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, init_guide, .. } = self;
         let palette = theme::palette(ui);
         let (mut confirm, mut closing) = (None, Vec::new());
         let mut pass = Pass { bench, settings, connect, actions, confirm: &mut confirm, closing: &mut closing };
@@ -167,6 +170,7 @@ impl App {
             .frame(theme::list_frame(palette))
             .show(ui, |ui| module_list::show(ui, &mut pass));
         CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
+        init_guide.show(ui.ctx(), &mut pass);
         dialogs.show(ui.ctx(), pass.actions);
         if let Some(confirm) = confirm {
             guard.confirm(confirm);

@@ -10,6 +10,7 @@ mod dashboard;
 mod dialogs;
 mod empty;
 mod guard;
+mod init_guide;
 mod module_list;
 mod module_view;
 mod notices;

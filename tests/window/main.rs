@@ -1,4 +1,6 @@
 //! The real window on a simulated line.
 
+mod configuration;
 mod general;
 mod harness;
+mod init;

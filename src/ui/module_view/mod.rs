@@ -100,6 +100,7 @@ impl ModuleView {
             self.asked.clear();
         }
         let mut ids = tabs::to_read(module, tab);
+        ids.extend(configuration::also_read(module, tab));
         ids.retain(|id| self.asked.insert(id.clone()));
         if !ids.is_empty() {
             actions.push(Action::Read(module.target, ids));
