@@ -66,6 +66,8 @@ pub enum Action {
     BeginInit(Target),
     /// The user has done what the present step asks for.
     ContinueInit,
+    /// Stop looking, and turn switch and power once more.
+    BackInInit,
     LeaveInit,
     /// Turn a switch of a simulated module, or its power off and on.
     Simulated(Target, Simulated),
@@ -122,7 +124,8 @@ impl Bench {
             Action::ClearExchanges(target) => self.on_module(&target, |module| module.console.clear()),
             Action::BeginInit(target) => self.begin_init(target),
             Action::ContinueInit => self.continue_init(),
-            Action::LeaveInit => self.init = None,
+            Action::BackInInit => self.back_in_init(),
+            Action::LeaveInit => self.leave_init(),
             Action::Simulated(target, what) => self.do_simulated(&target, what),
             Action::AddDefinition(path) => self.add_definition(&path),
             Action::Notify(severity, text) => self.notify(severity, text),
@@ -229,6 +232,7 @@ impl Bench {
     fn remove(&mut self, target: Target) {
         self.send(BusCommand::Unwatch { target });
         self.modules.retain(|module| module.target != target);
+        self.init.take_if(|init| init.module == target);
         if self.shown == Some(target) {
             self.shown = None;
         }

@@ -5,174 +5,100 @@
 //! SwitchOn - user has done it -> FindInInit - answers -> Writing - all taken -> SwitchOff - user -> FindAgain -> Done
 //! ```
 //!
-//! The manuals do not tell where a module answers in INIT mode; sister modules answer at address 00, 9600 N81, DCON.
-//! So it is looked for at its present settings and there, in turn, until it answers.
+//! A refusal leads back to `SwitchOn`, a lost line to the step before, and a module that says that it is in INIT mode
+//! already begins at `FindInInit`. The manuals do not tell where a module answers in INIT mode; sister modules answer
+//! at address 00, 9600 N81, DCON. So it is looked for at its present settings and there, in turn, until it answers.
 
+mod procedure;
+#[cfg(test)]
+mod tests;
+
+pub use procedure::{InitChange, InitProcedure, InitStep};
+
+use super::edits::EditState;
+use super::host_ok::HOST_OK;
+use super::journal::EntryKind;
 use super::{Bench, Module, Severity};
 use crate::bus::{BusCommand, RequestId, Target};
 use crate::module::{Identified, Value, WriteError};
-use crate::protocol::{Failure, LineSettings, Protocol};
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InitStep {
-    /// The user sets DIP 4 ON and switches the power off and on.
-    SwitchOn,
-    FindInInit,
-    Writing,
-    /// The user sets DIP 4 OFF and switches the power off and on.
-    SwitchOff,
-    FindAgain,
-    Done,
-}
-
-/// What becomes of one setting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InitChange {
-    pub id: String,
-    pub value: Value,
-    /// `None` until it was written.
-    pub outcome: Option<Result<(), String>>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct InitProcedure {
-    /// How the module was reached before.
-    pub before: Target,
-    /// How it is to be reached afterwards.
-    pub after: Target,
-    /// Where it was found last.
-    pub found: Option<Target>,
-    pub changes: Vec<InitChange>,
-    pub step: InitStep,
-    /// How often it was looked for in this step.
-    pub attempts: u32,
-    model: String,
-    /// The question that is under way.
-    waiting: Option<RequestId>,
-}
-
-impl InitProcedure {
-    /// Where the module may answer in this step, the likeliest first.
-    fn places(&self) -> Vec<Target> {
-        let init = Target { address: 0, protocol: Protocol::Dcon, settings: LineSettings::default(), checksum: false };
-        let mut places = match self.step {
-            InitStep::FindAgain => vec![self.after, self.before],
-            _ => vec![self.before, init],
-        };
-        if self.step == InitStep::FindAgain && self.after.protocol == Protocol::Dcon {
-            places.push(Target { checksum: !self.after.checksum, ..self.after });
-        }
-        places.dedup();
-        places
-    }
-
-    fn next_place(&self) -> Option<Target> {
-        let places = self.places();
-        let index = usize::try_from(self.attempts).ok()?.checked_rem(places.len())?;
-        places.get(index).copied()
-    }
-
-    pub fn is_looking(&self) -> bool {
-        matches!(self.step, InitStep::FindInInit | InitStep::FindAgain)
-    }
-
-    /// Settings that were refused, with the reason.
-    pub fn refused(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.changes.iter().filter_map(|change| match &change.outcome {
-            Some(Err(reason)) => Some((change.id.as_str(), reason.as_str())),
-            _ => None,
-        })
-    }
-}
-
-/// How a module is reached once these settings are in force.
-fn reached_after(before: Target, changes: &[InitChange]) -> Target {
-    let mut after = before;
-    for InitChange { id, value, .. } in changes {
-        match (id.as_str(), value) {
-            ("baud_rate", Value::Choice(word)) => {
-                after.settings.baud_rate = word.parse().unwrap_or(after.settings.baud_rate);
-            }
-            ("data_format", Value::Choice(word)) => {
-                after.settings.data_format = word.parse().unwrap_or(after.settings.data_format);
-            }
-            ("checksum", Value::Bool(on)) => after.checksum = *on,
-            ("protocol", Value::Choice(word)) => {
-                let protocol = Protocol::SERIAL.into_iter().find(|protocol| protocol.word() == word);
-                after.protocol = protocol.unwrap_or(after.protocol);
-            }
-            _ => {}
-        }
-    }
-    if after.protocol.is_modbus() {
-        after.checksum = false;
-    }
-    after
-}
+use crate::protocol::Failure;
 
 impl Bench {
     pub(super) fn begin_init(&mut self, target: Target) {
-        let Some(module) = self.module(&target) else { return };
-        let changes: Vec<InitChange> = module
-            .edited_for_init()
-            .into_iter()
-            .filter_map(|id| Some((id, module.edit(id)?.value.clone().ok()?)))
-            .map(|(id, value)| InitChange { id: id.to_owned(), value, outcome: None })
-            .collect();
-        if changes.is_empty() {
-            return;
+        if self.init.as_ref().is_some_and(InitProcedure::is_left) {
+            let text = "The last setting of the change before is still being written – begin again in a moment";
+            return self.notify(Severity::Info, text.to_owned());
         }
-        self.init = Some(InitProcedure {
-            before: target,
-            after: reached_after(target, &changes),
-            found: None,
-            changes,
-            step: InitStep::SwitchOn,
-            attempts: 0,
-            model: module.identified.model().to_owned(),
-            waiting: None,
-        });
+        let Some(procedure) = self.module(&target).and_then(InitProcedure::new) else { return };
+        let there_already = procedure.step == InitStep::FindInInit;
+        self.init = Some(procedure);
+        if there_already {
+            self.look_for_init();
+        }
     }
 
     /// The user has turned the switch and the power, or wants to look once more.
     pub(super) fn continue_init(&mut self) {
         let Some(init) = self.init.as_mut() else { return };
-        init.step = match init.step {
-            InitStep::SwitchOn => InitStep::FindInInit,
-            InitStep::SwitchOff => InitStep::FindAgain,
+        match init.step {
+            InitStep::SwitchOn => init.look(InitStep::FindInInit),
+            InitStep::SwitchOff => init.look(InitStep::FindAgain),
+            InitStep::Done if !init.is_as_wanted() => init.look(InitStep::FindAgain),
             InitStep::Done => {
                 self.init = None;
                 return;
             }
             InitStep::FindInInit | InitStep::Writing | InitStep::FindAgain => return,
-        };
-        init.attempts = 0;
+        }
         self.look_for_init();
     }
 
-    fn look_for_init(&mut self) {
-        let id = self.bus.next_id();
+    /// The user gives up looking, and turns switch and power once more.
+    pub(super) fn back_in_init(&mut self) {
+        if let Some(init) = self.init.as_mut().filter(|init| init.is_looking()) {
+            init.go_back(None);
+        }
+    }
+
+    /// The write under way is awaited first: what becomes of its setting has to be known.
+    pub(super) fn leave_init(&mut self) {
         let Some(init) = self.init.as_mut() else { return };
-        let Some(target) = init.next_place() else { return };
-        init.waiting = Some(id);
-        self.send(BusCommand::Identify { id, target });
+        if init.is_writing() { init.leave() } else { self.end_left_init() }
+    }
+
+    fn end_left_init(&mut self) {
+        if let Some((severity, text)) = self.init.take().and_then(|init| init.farewell()) {
+            self.notify(severity, text);
+        }
+    }
+
+    fn look_for_init(&mut self) {
+        let Some(target) = self.init.as_ref().and_then(InitProcedure::asked_now) else { return };
+        let id = self.bus.next_id();
+        let sent = self.try_send(BusCommand::Identify { id, target });
+        if let Some(init) = self.init.as_mut() {
+            if sent { init.await_answer(id) } else { init.go_back(Some("the line takes no requests".to_owned())) }
+        }
     }
 
     /// What the module said at the place that was asked.
     pub(super) fn identified(&mut self, id: RequestId, target: Target, result: Result<Identified, Failure>) {
-        let Some(init) = self.init.as_mut().filter(|init| init.waiting == Some(id) && init.is_looking()) else {
-            return;
-        };
-        init.waiting = None;
+        let Some(init) = self.init.as_mut().filter(|init| init.is_looking() && init.awaits(id)) else { return };
+        init.take_answer();
         match result {
-            Ok(identified) if identified.model() == init.model => {
+            Ok(identified) if identified.model() == init.model() => {
                 init.found = Some(target);
-                if init.step == InitStep::FindInInit { self.write_in_init(target) } else { self.end_init(target) }
+                init.problem = None;
+                match init.step {
+                    InitStep::FindInInit => self.write_in_init(target),
+                    _ => self.end_init(target, identified),
+                }
             }
-            Err(Failure::LineLost(_)) => {
-                init.step = if init.step == InitStep::FindInInit { InitStep::SwitchOn } else { InitStep::SwitchOff };
-            }
-            _ => {
+            Err(Failure::LineLost(reason)) => init.go_back(Some(format!("The line was lost: {reason}"))),
+            other => {
+                if let Ok(stranger) = other {
+                    init.problem = Some(format!("Another module ({}) answers at {target}", stranger.model()));
+                }
                 init.attempts = init.attempts.saturating_add(1);
                 self.look_for_init();
             }
@@ -180,74 +106,120 @@ impl Bench {
     }
 
     fn write_in_init(&mut self, target: Target) {
-        let Some(init) = self.init.as_mut() else { return };
-        init.step = InitStep::Writing;
-        init.changes.iter_mut().for_each(|change| change.outcome = None);
-        self.write_next_in_init(target);
+        if let Some(init) = self.init.as_mut() {
+            init.begin_writing();
+            self.write_next_in_init(target);
+        }
     }
 
     /// One after the other, so that each result can be told from the others.
     fn write_next_in_init(&mut self, target: Target) {
-        let id = self.bus.next_id();
         let Some(init) = self.init.as_mut() else { return };
-        let next = init.changes.iter().find(|change| change.outcome.is_none()).cloned();
-        let before = init.before;
-        let Some(change) = next else {
-            let refused = init.refused().count();
-            init.step = if refused == 0 { InitStep::SwitchOff } else { InitStep::SwitchOn };
+        let listed = init.module;
+        let Some(InitChange { id: item, value, .. }) = init.next_change().cloned() else { return init.end_writing() };
+        let Some(definition) = self.module(&listed).and_then(Module::definition).cloned() else {
+            self.init = None;
             return;
         };
-        init.waiting = Some(id);
-        let Some(definition) = self.module(&before).and_then(Module::definition).cloned() else { return };
-        self.send(BusCommand::Write { id, target, definition, item: change.id, value: change.value });
+        let id = self.bus.next_id();
+        let sent = self.try_send(BusCommand::Write { id, target, definition, item: item.clone(), value });
+        let Some(init) = self.init.as_mut() else { return };
+        if !sent {
+            return init.go_back(Some("the line takes no requests".to_owned()));
+        }
+        init.await_answer(id);
+        if let Some(edit) = self.module_mut(&listed).and_then(|module| module.edits.get_mut(&item)) {
+            edit.state = EditState::Writing(id);
+        }
+    }
+
+    /// Whose setting the procedure writes with this request; it may be written at another place than the module has.
+    pub(super) fn written_in_init(&self, id: RequestId) -> Option<Target> {
+        self.init.as_ref().filter(|init| init.awaits(id)).map(|init| init.module)
     }
 
     /// Notes how a write of the procedure ended and goes on with the next.
-    pub(super) fn init_written(&mut self, id: RequestId, item: &str, result: &Result<Value, WriteError>) {
-        let Some(init) = self.init.as_mut().filter(|init| init.waiting == Some(id)) else { return };
-        init.waiting = None;
-        if let Some(change) = init.changes.iter_mut().find(|change| change.id == item) {
-            change.outcome = Some(result.as_ref().map(|_| ()).map_err(ToString::to_string));
+    pub(super) fn init_written(&mut self, id: RequestId, item: &str, result: Result<(), WriteError>) {
+        let Some(init) = self.init.as_mut().filter(|init| init.awaits(id)) else { return };
+        init.take_answer();
+        let lost = match result.as_ref().err().and_then(WriteError::failure) {
+            Some(Failure::LineLost(reason)) => Some(format!("The line was lost: {reason}")),
+            _ => None,
+        };
+        if lost.is_none() {
+            init.note_outcome(item, result.map_err(|error| error.to_string()));
         }
-        let (before, found, taken) = (init.before, init.found.unwrap_or(init.before), result.is_ok());
-        if let Some(module) = self.module_mut(&before).filter(|_| taken) {
-            module.edits.remove(item);
+        let target = init.found.unwrap_or(init.module);
+        if init.is_left() {
+            self.end_left_init();
+        } else if lost.is_some() {
+            init.go_back(lost);
+        } else {
+            self.write_next_in_init(target);
         }
-        self.write_next_in_init(found);
     }
 
     /// The module answers again: it is followed to where it is now.
-    fn end_init(&mut self, target: Target) {
+    fn end_init(&mut self, target: Target, identified: Identified) {
+        let at = self.now();
         let Some(init) = self.init.as_mut() else { return };
         init.step = InitStep::Done;
-        let (before, expected) = (init.before, init.after);
-        if target != before {
-            let interval = self.module(&before).and_then(|module| module.interval);
-            self.send(BusCommand::Unwatch { target: before });
-            self.follow(before, target);
-            if let Some(interval) = interval {
-                self.watch(target, interval);
-            }
+        let (listed, expected) = (init.module, init.after);
+        self.move_module(listed, target);
+        if let Some(module) = self.module_mut(&target) {
+            module.identified = identified;
+            module.journal.add(at, EntryKind::Found, format!("Found after INIT mode at {target}"));
         }
-        let configuration = self.module(&target).map(|module| module.configuration_ids()).unwrap_or_default();
+        let configuration = self.module(&target).map(Module::configuration_ids).unwrap_or_default();
         self.read(target, configuration);
-        let text = match target == expected {
-            true => format!("The module answers again: {target}"),
-            false => {
-                format!("The module answers, but at {target}, not at {expected} – DIP 2 OFF lets the switches rule")
-            }
-        };
-        self.notify(if target == expected { Severity::Info } else { Severity::Warning }, text);
+        if target == expected {
+            self.notify(Severity::Info, format!("The module answers again: {target}"));
+        } else {
+            let text =
+                format!("The module answers, but at {target}, not at {expected} – DIP 2 OFF lets the switches rule");
+            self.notify(Severity::Warning, text);
+        }
+    }
+
+    /// What is done again and again for the module goes on at its new place.
+    fn move_module(&mut self, from: Target, to: Target) {
+        if from == to {
+            return;
+        }
+        let Some(module) = self.module(&from) else { return };
+        let host_ok_is_offered = module
+            .definition()
+            .and_then(|definition| definition.action(HOST_OK))
+            .is_some_and(|action| action.is_offered(to.protocol));
+        let (interval, host_ok) = (module.interval, module.host_ok.as_ref().map(|host_ok| host_ok.period));
+        self.send(BusCommand::Unwatch { target: from });
+        if host_ok.is_some() {
+            self.stop_host_ok(from);
+        }
+        self.follow(from, to);
+        if let Some(interval) = interval {
+            self.watch(to, interval);
+        }
+        if let Some(period) = host_ok.filter(|_| host_ok_is_offered) {
+            self.start_host_ok(to, period);
+        }
+    }
+}
+
+impl InitChange {
+    fn of(module: &Module, id: &str) -> Option<Self> {
+        let value: Value = module.edit(id)?.value.clone().ok()?;
+        Some(Self { id: id.to_owned(), was: module.known(id).cloned(), value, outcome: None })
     }
 }
 
 impl Module {
-    /// Items of the configuration that were read before.
+    /// What the configuration can be read from here, but for what changes by being read.
     fn configuration_ids(&self) -> Vec<String> {
-        self.readings
-            .keys()
-            .filter(|id| self.item(id).is_some_and(|item| item.tab == "configuration"))
-            .cloned()
+        let items = self.definition().into_iter().flat_map(|definition| &definition.items);
+        items
+            .filter(|item| item.tab == "configuration" && !item.on_request && self.has(item))
+            .map(|item| item.id.clone())
             .collect()
     }
 }

@@ -26,7 +26,7 @@ use jiff::Timestamp;
 pub use actions::{Action, Simulated};
 pub use edits::{Edit, EditState, ItemState};
 pub use host_ok::{HOST_OK, HostOk};
-pub use init::{InitProcedure, InitStep};
+pub use init::{InitChange, InitProcedure, InitStep};
 pub use journal::{Entry, EntryKind, Journal};
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
@@ -140,7 +140,7 @@ impl Bench {
 
     /// The guided change of what needs INIT mode, while it is under way.
     pub fn init(&self) -> Option<&InitProcedure> {
-        self.init.as_ref()
+        self.init.as_ref().filter(|init| !init.is_left())
     }
 
     /// Modules that are reached in another way than before, since this was last asked.

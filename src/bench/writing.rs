@@ -72,13 +72,17 @@ impl Bench {
         at: Timestamp,
         result: Result<Value, WriteError>,
     ) {
-        self.init_written(id, item, &result);
-        let Some(module) = self.module_mut(&target) else { return };
+        let in_init = self.written_in_init(id);
+        let Some(module) = self.module_mut(&in_init.unwrap_or(target)) else { return };
         let moved = match (&result, module.item(item)) {
             (Ok(value), Some(known)) => moves_to(known, value),
             _ => None,
         };
+        let outcome = result.as_ref().map(|_| ()).map_err(Clone::clone);
         let refusal = module.take_written(id, item, at, result);
+        if in_init.is_some() {
+            return self.init_written(id, item, outcome);
+        }
         if let Some(address) = moved.filter(|address| *address != target.address) {
             self.follow(target, Target { address, ..target });
         }
@@ -125,17 +129,30 @@ impl Bench {
             return;
         }
         self.modules.retain(|module| module.target != to);
-        if let Some(module) = self.module_mut(&from) {
-            module.target = to;
+        let unanswered = self.module_mut(&from).map(|module| module.move_to(to)).unwrap_or_default();
+        if let Some(init) = self.init.as_mut() {
+            init.follow(from, to);
         }
         if self.shown == Some(from) {
             self.shown = Some(to);
         }
         self.moves.push((from, to));
+        self.read(to, unanswered);
     }
 }
 
 impl Module {
+    /// It is reached at `to` from now on; what was asked at the place before, and is not answered there any more.
+    fn move_to(&mut self, to: Target) -> Vec<String> {
+        self.target = to;
+        self.acting.clear();
+        for edit in self.edits.values_mut().filter(|edit| edit.is_being_written()) {
+            edit.state = EditState::Refused("the module moved to another address meanwhile – try again".to_owned());
+        }
+        let asked = std::mem::take(&mut self.reads).into_iter().flat_map(|(_, ids)| ids);
+        asked.filter(|id| self.item(id).is_some_and(|item| self.has(item))).collect()
+    }
+
     /// Items of a tab that were read before and are not polled.
     fn read_before(&self, tab: &str) -> Vec<String> {
         let of_tab = |item: &&Item| item.tab == tab && self.readings.contains_key(&item.id);

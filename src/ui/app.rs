@@ -9,6 +9,7 @@ use super::commands::{self, Command};
 use super::connect::Connect;
 use super::dialogs::Dialogs;
 use super::guard::{Confirm, Guard};
+use super::init_guide::InitGuide;
 use super::notices::Notices;
 use super::panes::{Pane, Panes};
 use super::saving::SaveAs;
@@ -59,6 +60,7 @@ pub struct App {
     guard: Guard,
     notices: Notices,
     dialogs: Dialogs,
+    init_guide: InitGuide,
     /// What was chosen before a demonstration, which is not to be remembered.
     line_before_demo: Option<LineChoice>,
     /// Where the settings are kept; nowhere in tests.
@@ -80,6 +82,7 @@ impl App {
             guard: Guard::default(),
             notices: Notices::default(),
             dialogs: Dialogs::default(),
+            init_guide: InitGuide::default(),
             line_before_demo: None,
             settings_file: None,
         };
@@ -157,7 +160,7 @@ impl App {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, .. } = self;
+        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, init_guide, .. } = self;
         let palette = theme::palette(ui);
         let (mut confirm, mut save, mut closing, mut commands) = (None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
@@ -192,6 +195,7 @@ impl App {
             .frame(theme::list_frame(palette))
             .show(ui, |ui| module_list::show(ui, &mut pass));
         CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
+        init_guide.show(ui.ctx(), &mut pass);
         dialogs.show(ui.ctx(), bench, pass.actions);
         pass.active = panes.active();
         for command in std::mem::take(pass.commands) {

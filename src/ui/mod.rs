@@ -12,6 +12,7 @@ mod dashboard_table;
 mod dialogs;
 mod empty;
 mod guard;
+mod init_guide;
 mod module_list;
 mod module_view;
 mod notices;

@@ -346,6 +346,28 @@ pub const FORM_EDITOR_WIDE: f32 = FORM_EDITOR + GAP + FORM_UNIT;
 /// What a text field adds left and right of its text.
 pub const FIELD_MARGIN: f32 = 2.0 * UNIT;
 
+/// The configuration: its lines, and the picture of the switches beside them.
+pub const CONFIGURATION_LABEL: f32 = 31.0 * UNIT;
+pub const CONFIGURATION_EDITOR: f32 = 28.0 * UNIT;
+pub const CONFIGURATION_UNIT: f32 = 9.0 * UNIT;
+pub const CONFIGURATION_FORM_LEAST: f32 = 135.0 * UNIT;
+pub const CONFIGURATION_FORM: f32 = 185.0 * UNIT;
+pub const SWITCHES_WIDTH: f32 = 92.0 * UNIT;
+pub const READ_AND_CLEAR: f32 = 27.0 * UNIT;
+pub const CHANGE_IN_INIT: f32 = 38.0 * UNIT;
+
+/// The guided change in INIT mode.
+pub const GUIDE_WIDTH: f32 = 172.0 * UNIT;
+pub const GUIDE_MARGIN: i8 = 16;
+pub const GUIDE_NUMBER: f32 = 5.0 * UNIT;
+pub const GUIDE_STEPS: f32 = 100.0 * UNIT;
+pub const GUIDE_PICTURE: f32 = 50.0 * UNIT;
+/// Room for what is to be known at a step, so that nothing jumps from one to the next.
+pub const GUIDE_DETAIL: f32 = 26.0 * UNIT;
+pub const GUIDE_LABEL: f32 = 26.0 * UNIT;
+pub const GUIDE_VALUE: f32 = 26.0 * UNIT;
+pub const GUIDE_ARROW: f32 = 6.0 * UNIT;
+
 /// The watchdog in the header of a module, and what stands beside it.
 pub const INDICATOR: f32 = 80.0 * UNIT;
 pub const INDICATOR_TEXT: f32 = 60.0 * UNIT;
@@ -452,6 +474,11 @@ pub fn details_frame() -> egui::Frame {
 pub fn bytes_width(room: f32) -> f32 {
     let [least, most] = BYTES_RANGE;
     (room * BYTES_PART).round().clamp(least, most)
+}
+
+pub fn guide_frame(palette: &Palette) -> egui::Frame {
+    let edge = Stroke::new(HAIRLINE, palette.raised_pressed);
+    egui::Frame::new().fill(palette.panel).stroke(edge).corner_radius(ROUNDING).inner_margin(GUIDE_MARGIN)
 }
 
 pub fn error_frame(palette: &Palette) -> egui::Frame {

@@ -2,9 +2,11 @@
 
 mod analog;
 mod commands;
+mod configuration;
 mod dashboard;
 mod general;
 mod harness;
+mod init;
 mod log;
 mod panes;
 mod relay;

@@ -112,6 +112,7 @@ impl ModuleView {
         }
         let mut ids = tabs::to_read(module, tab);
         ids.extend(self.header_items(module));
+        ids.extend(configuration::also_read(module, tab));
         ids.retain(|id| self.asked.insert(id.clone()));
         if !ids.is_empty() {
             actions.push(Action::Read(module.target, ids));
