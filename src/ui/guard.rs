@@ -141,8 +141,13 @@ impl Guard {
         ui.add_space(theme::GAP);
         let mut decided = false;
         ui.horizontal(|ui| {
-            let writable =
-                modules.iter().all(|module| module.unwritable().is_none() && module.edited_for_init().is_empty());
+            // What is asked about before it is written has to be written in its tab.
+            let plain = |module: &&Module| {
+                module.unwritable().is_none()
+                    && module.edited_for_init().is_empty()
+                    && !module.edits.contains_key("wdt_enabled")
+            };
+            let writable = modules.iter().all(plain);
             if edits > 0 && writable && ui.button(format!("Write {edits} and stay")).clicked() {
                 outcome.actions.extend(modules.iter().map(|module| {
                     Action::Write(module.target, module.edited().into_iter().map(str::to_owned).collect())

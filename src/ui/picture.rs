@@ -72,7 +72,7 @@ impl Paint<'_> {
     }
 
     fn fill(&self, fill: Option<Ink>) -> Color32 {
-        fill.map_or(Color32::TRANSPARENT, |ink| self.ink(ink))
+        fill.map_or(theme::NO_COLOUR, |ink| self.ink(ink))
     }
 
     fn stroke(&self, stroke: &Stroke) -> egui::Stroke {

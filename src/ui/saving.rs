@@ -1,18 +1,14 @@
 //! Files that the user asks for: contents are made step by step between the pictures of the window, and written on a
 //! thread of their own.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
+use std::io;
+use std::path::PathBuf;
 
 use eframe::egui::{self, Align2, Ui};
 
 use super::{theme, widgets};
 use crate::bench::{Action, Bench, Severity};
-
-/// Steps that may wait for the disk.
-const WAITING: usize = 4;
+use crate::record::FileWriter;
 
 /// What the user wants to save; the dialog asks where.
 pub struct SaveAs {
@@ -69,69 +65,62 @@ impl Contents for WholeText {
 pub struct Saving {
     path: PathBuf,
     contents: Box<dyn Contents>,
-    /// Made, and not taken by the thread yet.
+    /// Made, and not taken by the writer yet.
     ready: Option<Step>,
-    /// Until the last part is handed over.
-    parts: Option<SyncSender<Vec<u8>>>,
-    outcome: Receiver<io::Result<()>>,
+    /// The last part was handed over.
+    complete: bool,
+    writer: FileWriter,
 }
 
 impl Saving {
     /// # Errors
     /// If no thread can be started.
     pub fn start(path: PathBuf, contents: Box<dyn Contents>, ctx: &egui::Context) -> io::Result<Self> {
-        let (parts, incoming) = sync_channel::<Vec<u8>>(WAITING);
-        let (tell, outcome) = sync_channel(1);
-        let (to, ctx) = (path.clone(), ctx.clone());
-        let write = move || {
-            // Nobody waits any more if the window was closed meanwhile.
-            let _ = tell.send(write_all(&to, &incoming));
-            ctx.request_repaint();
-        };
-        std::thread::Builder::new().name("export".to_owned()).spawn(write)?;
-        Ok(Self { path, contents, ready: None, parts: Some(parts), outcome })
+        let waker = ctx.clone();
+        let writer = FileWriter::start(path.clone(), move || waker.request_repaint())?;
+        Ok(Self { path, contents, ready: None, complete: false, writer })
     }
 
     /// Goes on a little; false when it has ended.
     pub fn go_on(&mut self, ctx: &egui::Context, bench: &Bench, actions: &mut Vec<Action>) -> bool {
-        match self.outcome.try_recv() {
-            Ok(Ok(())) => {
+        match self.writer.outcome() {
+            Some(Ok(())) => {
                 let text = format!("{} written to {}", self.contents.what(), self.path.display());
                 actions.push(Action::Notify(Severity::Info, text));
                 return false;
             }
-            Ok(Err(error)) => return self.failed(&error, actions),
-            Err(TryRecvError::Disconnected) => return self.failed(&io::Error::other("the writing ended"), actions),
-            Err(TryRecvError::Empty) => {}
+            Some(Err(error)) => return self.failed(&error, actions),
+            None => {}
         }
         if let Err(error) = self.hand_over(bench) {
             return self.failed(&error, actions);
         }
-        if self.parts.is_some() {
+        if !self.complete {
             ctx.request_repaint();
         }
         true
     }
 
     fn hand_over(&mut self, bench: &Bench) -> io::Result<()> {
-        let Some(parts) = &self.parts else { return Ok(()) };
+        if self.complete {
+            return Ok(());
+        }
         let Step { bytes, is_last } = match self.ready.take() {
             Some(step) => step,
             None => self.contents.step(bench)?,
         };
-        match parts.try_send(bytes) {
-            Ok(()) if is_last => self.parts = None,
-            Ok(()) => {}
-            Err(TrySendError::Full(bytes)) => self.ready = Some(Step { bytes, is_last }),
-            // The thread says why it has ended.
-            Err(TrySendError::Disconnected(_)) => self.parts = None,
+        match self.writer.put(bytes) {
+            Some(bytes) => self.ready = Some(Step { bytes, is_last }),
+            None if is_last && self.writer.end() => self.complete = true,
+            None if is_last => self.ready = Some(Step { bytes: Vec::new(), is_last }),
+            None => {}
         }
         Ok(())
     }
 
     fn failed(&self, error: &io::Error, actions: &mut Vec<Action>) -> bool {
         let path = self.path.display();
-        let text = format!("{path} was not written whole ({error}) – choose another place and export again");
+        let text = format!("{path} was not written ({error}) – choose another place and export again");
         actions.push(Action::Notify(Severity::Error, text));
         false
     }
@@ -156,14 +145,6 @@ impl Saving {
 
     /// What the user is told who stopped it.
     pub fn stopped(&self) -> String {
-        format!("Stopped after {}: {} is not whole", self.contents.what(), self.path.display())
+        format!("Stopped after {}: {} was not written", self.contents.what(), self.path.display())
     }
-}
-
-fn write_all(path: &Path, parts: &Receiver<Vec<u8>>) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
-    while let Ok(part) = parts.recv() {
-        file.write_all(&part)?;
-    }
-    file.flush()
 }

@@ -296,10 +296,22 @@ fn every_character_of_the_interface_has_its_glyph() {
 /// The code of the window and of what it shows, without comments.
 fn sources() -> Vec<String> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let rooms = ["ui", "ui/module_view", "ui/module_view/analog", "ui/settings", "bench", "bus", "module", "protocol"];
-    let files = rooms.iter().flat_map(|room| std::fs::read_dir(root.join(room)).unwrap());
-    let texts = files.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "rs"));
-    let without_comments =
-        |text: String| -> String { text.lines().filter(|line| !line.trim_start().starts_with("//")).collect() };
-    texts.map(|path| without_comments(std::fs::read_to_string(path).unwrap())).collect()
+    let mut folders: Vec<_> =
+        ["ui", "bench", "bus", "module", "picture", "protocol"].map(|room| root.join(room)).into();
+    let mut texts = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                texts.push(without_comments_and_tests(&std::fs::read_to_string(path).unwrap()));
+            }
+        }
+    }
+    texts
+}
+
+fn without_comments_and_tests(text: &str) -> String {
+    let code = text.lines().take_while(|line| !line.starts_with("#[cfg(test)]"));
+    code.filter(|line| !line.trim_start().starts_with("//")).collect()
 }

@@ -214,6 +214,11 @@ pub fn write(module: &Module, pass: &mut Pass<'_>, ids: &[String]) {
         return;
     }
     let needs_init = |id: &String| module.item(id).is_some_and(|item| item.applies == Applies::Init);
+    // What moves the module would leave the others behind, so all are asked for and written in one go.
+    if module.known("init_mode") == Some(&Value::Bool(true)) && edited.iter().any(needs_init) {
+        *pass.confirm = Some(cut_off(module, edited));
+        return;
+    }
     let (init, now): (Vec<String>, Vec<String>) = edited.into_iter().partition(needs_init);
     if let Some(question) = watchdog::before_writing(module, &now) {
         *pass.confirm = Some(question);
@@ -222,12 +227,7 @@ pub fn write(module: &Module, pass: &mut Pass<'_>, ids: &[String]) {
     if !now.is_empty() {
         pass.actions.push(Action::Write(module.target, now));
     }
-    if init.is_empty() {
-        return;
-    }
-    if module.known("init_mode") == Some(&Value::Bool(true)) {
-        *pass.confirm = Some(cut_off(module, init));
-    } else {
+    if !init.is_empty() {
         pass.actions.push(Action::BeginInit(module.target));
     }
 }

@@ -127,7 +127,7 @@ fn pause_button(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Ac
     }
 }
 
-/// Reads what the present tab shows once more; with F5 too.
+/// Reads what the present tab shows once more. F5 does the same, for the tab that is worked in.
 fn read_again(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Action>, asks: Vec<String>) {
     let reason = match closed {
         true => "No line is open: scan to open it again",
@@ -137,8 +137,7 @@ fn read_again(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Acti
     let button = egui::Button::new("Read again").min_size(egui::vec2(theme::READ_WIDTH, theme::CONTROL_HEIGHT));
     let response = ui.add_enabled(enabled, button);
     let response = response.on_hover_text("Reads what this tab shows once more (F5)").on_disabled_hover_text(reason);
-    let typed = enabled && ui.input(|input| input.key_pressed(egui::Key::F5));
-    if response.clicked() || typed {
+    if response.clicked() {
         actions.push(Action::Read(module.target, asks));
     }
 }
