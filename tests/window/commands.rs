@@ -75,14 +75,14 @@ fn a_command_is_sent_with_enter_and_its_answer_is_told_field_by_field() {
 #[test]
 fn a_command_that_changes_the_module_is_asked_for_and_then_changes_it() {
     let (sim, mut window) = begun(DCON);
-    let before = sim.setting(1, "name");
-    enter(&mut window, "~01OHALL");
+    let before = sim.setting(1, "response_delay");
+    enter(&mut window, "~01RD05");
     assert!(shows(&window, "Changes the module"));
     assert!(last(&window).is_none(), "nothing is sent before it is confirmed");
-    assert_eq!(sim.setting(1, "name"), before);
+    assert_eq!(sim.setting(1, "response_delay"), before);
     click(&mut window, Role::Button, "Send and change the module");
     until(&mut window, "the answer", |window| answer(window).as_deref() == Some("!01"));
-    assert_eq!(sim.setting(1, "name").as_deref(), Some("HALL"));
+    assert_eq!(sim.setting(1, "response_delay").as_deref(), Some("5"));
 }
 
 #[test]
@@ -172,8 +172,9 @@ fn closing_the_line_ends_what_repeats() {
     window.state_mut().apply(dcon_bench::bench::Action::Disconnect);
     until(&mut window, "it ends", |window| !module(window).console.is_repeating());
     assert!(module(&window).console.log().iter().all(|exchange| exchange.result.is_some()));
-    window.step();
-    assert!(shows(&window, "The line is not open"));
+    let sent = module(&window).console.log().len();
+    enter(&mut window, "$01M");
+    assert_eq!(module(&window).console.log().len(), sent, "nothing is sent on a closed line");
 }
 
 fn run(window: &mut Window, script: &str) {
@@ -211,12 +212,12 @@ fn a_script_that_finds_something_else_names_the_line() {
 #[test]
 fn a_script_that_changes_the_module_is_asked_for() {
     let (sim, mut window) = begun(DCON);
-    run(&mut window, "~01OHALL\nexpect !01");
-    assert!(shows(&window, "Line 1, ~01OHALL: Changes the module"));
+    run(&mut window, "~01RD05\nexpect !01");
+    assert!(shows(&window, "Line 1, ~01RD05: Changes the module"));
     assert!(last(&window).is_none());
     click(&mut window, Role::Button, "Run the script");
     until(&mut window, "it is done", |window| shows(window, "Done: 2 steps"));
-    assert_eq!(sim.setting(1, "name").as_deref(), Some("HALL"));
+    assert_eq!(sim.setting(1, "response_delay").as_deref(), Some("5"));
 }
 
 #[test]

@@ -1,12 +1,11 @@
 //! Summary: everything about the module on one page, compared with its factory settings.
 
-use eframe::egui::{Align, Button, Checkbox, Color32, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use eframe::egui::{Align, Checkbox, Color32, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use jiff::{Timestamp, tz::TimeZone};
 
-use super::tabs::{self, Tab};
 use super::{form, theme};
 use crate::bench::summary::{self, Entry, Group};
-use crate::bench::{Action, LineState, Module, Presence, Severity};
+use crate::bench::{Action, Module, Presence, Severity};
 use crate::ui::app::Pass;
 use crate::ui::picture::{self, Look};
 use crate::ui::saving::{SaveAs, WholeText};
@@ -23,7 +22,6 @@ impl Summary {
     pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         let summary = summary::Summary::of(module, pass.bench.now());
         ui.horizontal(|ui| {
-            read_again(ui, module, pass);
             exports(ui, &summary, pass);
             let text = "Only what differs from factory";
             widgets::at_right(ui, |ui| drop(ui.add(Checkbox::new(&mut self.only_different, text))));
@@ -54,17 +52,6 @@ impl Summary {
             }
         }
         ui.add_space(theme::GAP);
-    }
-}
-
-fn read_again(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
-    let ids = tabs::to_read(module, &Tab::Summary);
-    let busy = ids.iter().any(|id| module.is_being_read(id));
-    let closed = matches!(pass.bench.line(), LineState::Closed);
-    let button = Button::new("Read again").min_size(vec2(0.0, theme::CONTROL_HEIGHT));
-    let reason = if closed { "No line is open: scan to open it again" } else { "Being read" };
-    if ui.add_enabled(!busy && !closed, button).on_disabled_hover_text(reason).clicked() {
-        pass.actions.push(Action::Read(module.target, ids));
     }
 }
 
