@@ -176,7 +176,7 @@ impl Bench {
         let id = self.bus.next_id();
         self.modules.clear();
         self.shown = None;
-        self.init = None;
+        self.end_left_init();
         self.scan = None;
         self.settings = settings;
         self.changing_line = Some(id);
@@ -215,6 +215,9 @@ impl Bench {
     }
 
     pub(super) fn watch(&mut self, target: Target, interval: Duration) {
+        if matches!(self.line, LineState::Closed) {
+            return;
+        }
         let id = self.bus.next_id();
         let Some(module) = self.module_mut(&target) else { return };
         let Some(definition) = module.definition().cloned() else { return };
@@ -230,12 +233,20 @@ impl Bench {
     }
 
     fn remove(&mut self, target: Target) {
-        self.send(BusCommand::Unwatch { target });
-        self.modules.retain(|module| module.target != target);
-        self.init.take_if(|init| init.module == target);
+        self.forget(target);
         if self.shown == Some(target) {
             self.shown = None;
         }
+    }
+
+    /// Ends everything that is under way for a module, and what is known of it.
+    pub(super) fn forget(&mut self, target: Target) {
+        self.stop_host_ok(target);
+        self.send(BusCommand::Unwatch { target });
+        if self.init.as_ref().is_some_and(|init| init.module == target) {
+            self.end_left_init();
+        }
+        self.modules.retain(|module| module.target != target);
     }
 
     /// The file is checked before it is copied; it counts from the next start on.

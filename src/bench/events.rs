@@ -1,8 +1,9 @@
 //! Takes in what the bus tells.
 
-use super::{Bench, LineState, Module, ScanState, Severity, Statistics};
+use super::{Bench, LineState, Module, Reading, ScanState, Severity, Statistics};
 use crate::bus::{BusEvent, RequestId, ScanSummary, Target};
 use crate::module::Identified;
+use crate::protocol::Failure;
 
 /// Events taken in at once, so that a flood cannot hold up the window; the rest waits for the next frame.
 const MOST_AT_ONCE: usize = 2_000;
@@ -66,7 +67,7 @@ impl Bench {
             BusEvent::Closed { id } if id == awaited => {
                 self.line = LineState::Closed;
                 self.statistics = Statistics::default();
-                self.init = None;
+                self.end_left_init();
                 self.modules.iter_mut().for_each(Module::forget_requests);
             }
             BusEvent::ScanEnded { id, summary } => return self.scan_ended(id, summary),
@@ -90,6 +91,20 @@ impl Bench {
         if let Some(line) = self.line.line().cloned() {
             self.notify(Severity::Info, format!("{line} is there again"));
             self.line = LineState::Open { line };
+            self.read_what_was_lost();
+        }
+    }
+
+    /// What could not be read because the line was gone is asked for again.
+    fn read_what_was_lost(&mut self) {
+        let lost = |module: &Module| -> Vec<String> {
+            let gone = |reading: &Reading| matches!(reading.problem, Some(Failure::LineLost(_)));
+            let readings = module.readings.iter().filter(|(_, reading)| gone(reading));
+            readings.map(|(id, _)| id.clone()).collect()
+        };
+        let all: Vec<_> = self.modules.iter().map(|module| (module.target, lost(module))).collect();
+        for (target, ids) in all {
+            self.read(target, ids);
         }
     }
 
@@ -103,6 +118,12 @@ impl Bench {
             format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself")
         };
         self.notify(Severity::Error, text);
+        for module in &mut self.modules {
+            module.console.stop();
+            if let Some(host_ok) = &mut module.host_ok {
+                host_ok.problem = Some("the line is lost, so none is sent".to_owned());
+            }
+        }
         self.line = LineState::Lost { line, reason };
     }
 
@@ -113,8 +134,13 @@ impl Bench {
         }
         let at = self.now();
         match self.module_mut(&target) {
-            Some(module) => module.identified = identified,
-            None => self.modules.push(Module::new(target, identified, at)),
+            Some(module) if module.identified.model() == identified.model() => module.identified = identified,
+            Some(_) => {
+                // Another module stands there now: nothing that was known of the one before is true of it.
+                self.forget(target);
+                self.modules.push(Module::new(id, target, identified, at));
+            }
+            None => self.modules.push(Module::new(id, target, identified, at)),
         }
     }
 

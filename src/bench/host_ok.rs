@@ -58,9 +58,11 @@ impl Bench {
         let id = self.bus.next_id();
         let Some(module) = self.module_mut(&target) else { return };
         let Some(definition) = module.definition().cloned() else { return };
-        if let Some(timeout) = module.watchdog_timeout()
-            && period > timeout
-        {
+        let Some(timeout) = module.watchdog_timeout() else {
+            let text = "Host OK is not sent: the watchdog's timeout is not known – read it again first";
+            return self.notify(Severity::Error, text.to_owned());
+        };
+        if period > timeout {
             let text = format!(
                 "Host OK every {:.1} s would come too late: the watchdog trips after {:.1} s – choose a shorter period",
                 period.as_secs_f64(),
@@ -68,13 +70,18 @@ impl Bench {
             );
             return self.notify(Severity::Error, text);
         }
-        module.host_ok = Some(HostOk { id, period, last: None, sent: 0, problem: None });
-        self.send(BusCommand::Repeat { id, target, definition, action: HOST_OK.to_owned(), period });
+        let host_ok = HostOk { id, period, last: None, sent: 0, problem: None };
+        if self.try_send(BusCommand::Repeat { id, target, definition, action: HOST_OK.to_owned(), period })
+            && let Some(module) = self.module_mut(&target)
+        {
+            module.host_ok = Some(host_ok);
+        }
     }
 
     pub(super) fn stop_host_ok(&mut self, target: Target) {
-        if let Some(module) = self.module_mut(&target) {
-            module.host_ok = None;
+        let Some(module) = self.module_mut(&target) else { return };
+        if module.host_ok.take().is_none() {
+            return;
         }
         self.send(BusCommand::StopRepeating { target, action: HOST_OK.to_owned() });
     }

@@ -29,6 +29,9 @@ impl Bench {
             let text = "The last setting of the change before is still being written – begin again in a moment";
             return self.notify(Severity::Info, text.to_owned());
         }
+        if self.init.as_ref().is_some_and(|init| init.is_writing() || init.is_looking()) {
+            return;
+        }
         let Some(procedure) = self.module(&target).and_then(InitProcedure::new) else { return };
         let there_already = procedure.step == InitStep::FindInInit;
         self.init = Some(procedure);
@@ -66,7 +69,7 @@ impl Bench {
         if init.is_writing() { init.leave() } else { self.end_left_init() }
     }
 
-    fn end_left_init(&mut self) {
+    pub(super) fn end_left_init(&mut self) {
         if let Some((severity, text)) = self.init.take().and_then(|init| init.farewell()) {
             self.notify(severity, text);
         }
@@ -175,8 +178,9 @@ impl Bench {
         if target == expected {
             self.notify(Severity::Info, format!("The module answers again: {target}"));
         } else {
-            let text =
-                format!("The module answers, but at {target}, not at {expected} – DIP 2 OFF lets the switches rule");
+            let text = format!(
+                "The module answers, but at {target}, not at {expected} – its switches may rule (hardware configuration)"
+            );
             self.notify(Severity::Warning, text);
         }
     }

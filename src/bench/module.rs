@@ -42,6 +42,8 @@ pub struct Reading {
 #[derive(Debug, Clone)]
 pub struct Module {
     pub target: Target,
+    /// The scan that found it first: a module found on a line that was opened anew is another one.
+    pub found_by: RequestId,
     pub identified: Identified,
     pub presence: Presence,
     /// By item id.
@@ -66,11 +68,12 @@ pub struct Module {
 }
 
 impl Module {
-    pub fn new(target: Target, identified: Identified, at: Timestamp) -> Self {
+    pub fn new(found_by: RequestId, target: Target, identified: Identified, at: Timestamp) -> Self {
         let mut journal = Journal::default();
         journal.add(at, EntryKind::Found, format!("Found at {target}"));
         Self {
             target,
+            found_by,
             identified,
             presence: Presence::Found,
             readings: BTreeMap::new(),

@@ -5,13 +5,16 @@ use jiff::Timestamp;
 use super::edits::EditState;
 use super::host_ok::HOST_OK;
 use super::journal::EntryKind;
-use super::{Bench, Module, Severity};
+use super::{Bench, LineState, Module, Severity};
 use crate::bus::{BusCommand, ItemSet, RequestId, Target};
 use crate::module::{Item, Value, WriteError, moves_to};
 
 impl Bench {
     /// Asks for these items, unless they are being asked for already.
     pub(super) fn read(&mut self, target: Target, mut ids: Vec<String>) {
+        if matches!(self.line, LineState::Closed) {
+            return;
+        }
         let id = self.bus.next_id();
         let Some(module) = self.module_mut(&target) else { return };
         let Some(definition) = module.definition().cloned() else { return };

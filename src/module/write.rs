@@ -149,7 +149,7 @@ fn is_unknown_way(failure: &Failure) -> bool {
 
 fn refused_hint(item: &Item) -> &'static str {
     match item.applies {
-        Applies::Init => " – it can be changed only in INIT mode (DIP 4 ON, then a power cycle)",
+        Applies::Init => " – it can be changed only in INIT mode, after a power cycle",
         Applies::Now => "",
     }
 }
@@ -157,7 +157,7 @@ fn refused_hint(item: &Item) -> &'static str {
 fn differs_hint(item: &Item) -> &'static str {
     match item.applies {
         Applies::Init => refused_hint(item),
-        Applies::Now => " – the DIP switches may rule (DIP 2 OFF)",
+        Applies::Now => " – its switches may rule (hardware configuration)",
     }
 }
 
@@ -221,7 +221,7 @@ fn command_write(
     ask: &mut dyn Ask,
 ) -> Result<Query, WriteError> {
     if let Some(template) = own_command(item, value) {
-        return Ok(dcon_query(template, address, &Fields::new(), vec![address]));
+        return dcon_query(&item.id, template, address, &Fields::new(), vec![address]);
     }
     let not_offered = || WriteError::NotOffered { id: item.id.clone(), protocol: access.protocol };
     let command = definition.commands.get(access.command).ok_or_else(not_offered)?;
@@ -240,7 +240,7 @@ fn command_write(
     let mut from = vec![address];
     from.extend(moves_to(item, value));
     match command.function {
-        None => Ok(dcon_query(template, address, &fields, from)),
+        None => dcon_query(&item.id, template, address, &fields, from),
         Some(function) => {
             let text = template.fill(address, &fields).map_err(|_| not_offered())?;
             Ok(Query::Custom { function, data: hex::parse(&text).map_err(|_| not_offered())?, write: true })
@@ -292,10 +292,11 @@ pub(crate) fn field_text(
     if text.len() == width { Ok(text) } else { Err(item.not_allowed(&value.to_string()).into()) }
 }
 
-fn dcon_query(template: &Template, address: u8, fields: &Fields, from: Vec<u8>) -> Query {
-    let text = template.fill(address, fields).unwrap_or_default();
+fn dcon_query(id: &str, template: &Template, address: u8, fields: &Fields, from: Vec<u8>) -> Result<Query, WriteError> {
+    let not_offered = |_| WriteError::NotOffered { id: id.to_owned(), protocol: Protocol::Dcon };
+    let text = template.fill(address, fields).map_err(not_offered)?;
     let from = if template.has_address() { AnswerFrom::Addresses(from) } else { AnswerFrom::Nobody };
-    Query::Dcon { text, from, write: true }
+    Ok(Query::Dcon { text, from, write: true })
 }
 
 fn modbus_write(
@@ -375,7 +376,9 @@ pub fn run_action(action: &Action, protocol: Protocol, address: u8, ask: &mut dy
         return Err(not_offered());
     }
     let query = match (protocol, &action.dcon, action.modbus) {
-        (Protocol::Dcon, Some(template), _) => dcon_query(template, address, &Fields::new(), vec![address]),
+        (Protocol::Dcon, Some(template), _) => {
+            dcon_query(&action.id, template, address, &Fields::new(), vec![address])?
+        }
         (_, _, Some(ModbusPlace::Coils { first, .. })) => Query::WriteCoil { at: first.saturating_sub(1), on: true },
         (_, _, Some(ModbusPlace::Holding { first, .. })) => {
             Query::WriteRegister { at: first.saturating_sub(1), value: 1 }

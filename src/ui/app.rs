@@ -17,7 +17,7 @@ use super::scan_form::ScanForm;
 use super::settings::{LineChoice, Settings, SettingsFile};
 use super::{connect, module_list, notices, scan_form, status, theme};
 use crate::bench::{Action, Bench, LineState, Severity};
-use crate::bus::LineAddress;
+use crate::bus::{BusEvent, LineAddress};
 
 /// How often ages are written anew while something is polled.
 const AGES_EVERY: Duration = Duration::from_secs(1);
@@ -108,6 +108,11 @@ impl App {
 
     pub fn bench(&self) -> &Bench {
         &self.bench
+    }
+
+    /// Takes in an event as if the bus had told it.
+    pub fn take(&mut self, event: BusEvent) {
+        self.bench.take(event);
     }
 
     /// Carries out an action as if the user had asked for it in the window.

@@ -175,7 +175,9 @@ fn path_field(ctx: &egui::Context, purpose: &Purpose, path: &mut String) -> Answ
         widgets::quiet(ui, &format!("This system has no file dialog. {explanation}"));
         let field = ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text(hint));
         widgets::name_field(&field, "Path", path);
-        field.request_focus();
+        if ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
         let chosen = Path::new(path.trim());
         let replaces = matches!(purpose, Purpose::Save(_)) && chosen.exists();
         widgets::quiet_small(ui, if replaces { "There is such a file already; it will be replaced." } else { "" });

@@ -68,8 +68,8 @@ impl Guard {
         let targets = match &action {
             Action::Disconnect | Action::Connect { .. } => all_that_hold_back(bench),
             Action::Scan { line, .. } => match bench.line().line() {
-                Some(open) if open.to_string() != line.to_string() => all_that_hold_back(bench),
-                _ => Vec::new(),
+                Some(open) if open.to_string() == line.to_string() => Vec::new(),
+                _ => all_that_hold_back(bench),
             },
             Action::Remove(target) => vec![*target],
             _ => Vec::new(),
@@ -145,7 +145,7 @@ impl Guard {
             let plain = |module: &&Module| {
                 module.unwritable().is_none()
                     && module.edited_for_init().is_empty()
-                    && !module.edits.contains_key("wdt_enabled")
+                    && !module.edits.keys().any(|id| id.starts_with("wdt_"))
             };
             let writable = modules.iter().all(plain);
             if edits > 0 && writable && ui.button(format!("Write {edits} and stay")).clicked() {

@@ -1,7 +1,7 @@
 //! The tabs in the middle of the window: the dashboard, modules and the traffic, side by side or in windows of their
 //! own.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use eframe::egui::{self, CentralPanel, Id, Panel, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
 use egui_tiles::{ContainerKind, Tile, TileId, Tree};
@@ -169,7 +169,8 @@ impl Panes {
     fn in_order(&self) -> Vec<Pane> {
         let mut panes = Vec::new();
         let mut waiting: Vec<TileId> = self.tree.root.into_iter().collect();
-        while let Some(tile) = waiting.pop() {
+        let mut seen = HashSet::new();
+        while let Some(tile) = waiting.pop().filter(|tile| seen.insert(*tile)) {
             match self.tree.tiles.get(tile) {
                 Some(Tile::Pane(pane)) => panes.push(*pane),
                 Some(Tile::Container(container)) => waiting.extend(container.children_vec().into_iter().rev()),

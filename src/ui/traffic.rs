@@ -139,7 +139,7 @@ impl TrafficView {
         let range = if all { Some((0, u64::MAX)) } else { self.selection.range() };
         let Some((first, last)) = range else { return };
         let rows = (view.row_of(first)..view.len()).map_while(|row| view.seq(row).filter(|seq| *seq <= last));
-        ui.ctx().copy_text(rows.filter_map(|seq| tables::frame_text(bench, seq)).collect());
+        ui.ctx().copy_text(rows.take(tables::MOST_COPIED).filter_map(|seq| tables::frame_text(bench, seq)).collect());
     }
 
     fn export(&self, bench: &Bench, form: Form) -> SaveAs {

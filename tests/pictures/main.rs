@@ -13,7 +13,7 @@ use dcon_bench::bench::Action;
 use dcon_bench::ui::{App, LineChoice, Settings, Start, ThemeChoice};
 use eframe::egui::vec2;
 use egui_kittest::wgpu::WgpuTestRenderer;
-use egui_kittest::{Harness, SnapshotOptions};
+use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use stage::Stage;
 
 /// By how much a pixel may differ before it counts, and how many may: rasterisers round differently.
@@ -54,6 +54,7 @@ fn renderer() -> Option<WgpuTestRenderer> {
 
 /// Compares the window with the picture of this name, in both looks.
 fn compare(name: &str, specs: &[&str], tab: &str, shown: usize) {
+    let mut results = SnapshotResults::new();
     for look in LOOKS {
         let Some(renderer) = renderer() else { return };
         let (mut window, mut stage) = window(specs, tab, shown, look, renderer);
@@ -64,7 +65,9 @@ fn compare(name: &str, specs: &[&str], tab: &str, shown: usize) {
         let options =
             SnapshotOptions::new().threshold(THRESHOLD).max_failed_pixels(PIXELS).output_path("tests/pictures/kept");
         window.snapshot_options(format!("{name}-{}", look.name), &options);
+        results.extend(window.take_snapshot_results());
     }
+    results.unwrap();
 }
 
 fn window(

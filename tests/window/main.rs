@@ -4,6 +4,7 @@ mod analog;
 mod commands;
 mod configuration;
 mod dashboard;
+mod form;
 mod general;
 mod harness;
 mod init;

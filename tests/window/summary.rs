@@ -22,9 +22,9 @@ fn at_the_summary(spec: &str, module: &str) -> (Sim, Window) {
 /// What the row of this name says.
 fn row(window: &Window, name: &str) -> Option<String> {
     let start = format!("{name}: ");
-    let labels = window.query_all_by_label_contains(&start).filter_map(|node| node.value());
+    let mut labels = window.query_all_by_label_contains(&start).filter_map(|node| node.value());
     // The facts above the table have names too.
-    labels.filter(|label| label.starts_with(&start)).last()
+    labels.rfind(|label| label.starts_with(&start))
 }
 
 #[track_caller]

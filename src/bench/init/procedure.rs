@@ -213,13 +213,13 @@ impl InitProcedure {
             return None;
         }
         if taken == 0 {
-            let text = "INIT mode was left, nothing was written – set DIP 4 OFF and switch the power off and on";
+            let text = "INIT mode was left, nothing was written – switch INIT mode off and switch the power off and on";
             return Some((Severity::Info, text.to_owned()));
         }
         let settings = if taken == 1 { "1 setting is".to_owned() } else { format!("{taken} settings are") };
         let place = reached_after(self.before, self.taken());
         let text = format!(
-            "INIT mode was left, {settings} written – set DIP 4 OFF, switch the power off and on, and scan: the \
+            "INIT mode was left, {settings} written – switch INIT mode off, switch the power off and on, and scan: the \
              module is at {place} then"
         );
         Some((Severity::Warning, text))

@@ -22,7 +22,7 @@ fn module_of(definition: Arc<Definition>, address: u8, protocol: Protocol) -> Mo
         said: String::new(),
         definition: Some(definition),
     };
-    Module::new(target, identified, now())
+    Module::new(crate::bus::RequestId(0), target, identified, now())
 }
 
 fn hold(module: &mut Module, id: &str, text: &str) {

@@ -103,9 +103,21 @@ impl Worker {
         });
         self.note_loss(result.as_ref().err().cloned());
         if let Ok(identified) = &result {
-            self.identified.insert((target, identified.model().to_owned()));
+            self.note_identity(target, identified);
         }
         result
+    }
+
+    /// Who answers at `target` from now on. Who was known there before has gone, with its optional parts.
+    pub(super) fn note_identity(&mut self, target: Target, identified: &Identified) {
+        let known = (target, identified.model().to_owned());
+        if !self.identified.contains(&known) {
+            self.identified.retain(|(at, _)| *at != target);
+            self.options.remove(&target);
+        }
+        if identified.definition.is_some() {
+            self.identified.insert(known);
+        }
     }
 
     fn write(

@@ -24,9 +24,7 @@ impl Worker {
         };
         let over = matches!(step, ScanStep::Ended) || scan.progress().is_none();
         if let ScanStep::Found(target, identified) = step {
-            if identified.definition.is_some() {
-                self.identified.insert((target, identified.model().to_owned()));
-            }
+            self.note_identity(target, &identified);
             self.tell(BusEvent::Found { id, target, identified: *identified });
         }
         self.tell_progress();

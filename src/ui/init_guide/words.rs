@@ -100,7 +100,7 @@ pub fn detail(init: &InitProcedure, module: &Module, switch: &str) -> Vec<String
             vec!["Its tab, its polling and its history go on from here.".to_owned()]
         }
         InitStep::Done => vec![format!(
-            "Expected at {}. With DIP 2 OFF the switches rule address and protocol, whatever is written. Or the power \
+            "Expected at {}. In hardware configuration the switches rule address and protocol, whatever is written. Or the power \
              was not switched off and on yet: do that, then look again.",
             place(&init.after)
         )],

@@ -37,7 +37,8 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
             let shortcut = ui.ctx().format_shortcut(&WRITE_ALL);
             let button = ui.add_enabled(reason.is_none(), Button::new(format!("Write {count}")));
             let button = button.on_disabled_hover_text(reason.clone().unwrap_or_default()).on_hover_text(shortcut);
-            let meant = reason.is_none() && pass.active == Pane::Module(module.target);
+            let asked = ui.memory(|memory| memory.top_modal_layer().is_some());
+            let meant = reason.is_none() && !asked && pass.active == Pane::Module(module.target);
             let typed = meant && ui.input_mut(|input| input.consume_shortcut(&WRITE_ALL));
             if button.clicked() || typed {
                 form::write(module, pass, &edited);

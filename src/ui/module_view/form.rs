@@ -1,8 +1,8 @@
 //! Settings as lines of a form: name, value to edit, unit, and what is to be said of it. Enter writes, Esc reverts.
 
 use eframe::egui::{
-    Align, Button, Checkbox, Color32, Event, Key, Layout, Response, Role, Sense, TextEdit, Ui, UiBuilder, WidgetInfo,
-    vec2,
+    Align, Button, Checkbox, Color32, Id, Key, Layout, Modifiers, Response, Role, Sense, TextEdit, Ui, UiBuilder,
+    WidgetInfo, vec2,
 };
 
 use super::watchdog;
@@ -58,7 +58,7 @@ pub fn explanation(item: &Item) -> String {
         lines.push(format!("Factory: {}", item.text(factory)));
     }
     if item.applies == Applies::Init {
-        lines.push("Written in INIT mode only (DIP 4 ON), in force after a power cycle".to_owned());
+        lines.push("Written in INIT mode only, in force after a power cycle".to_owned());
     }
     let places: Vec<String> = item.accesses.iter().filter_map(place).collect();
     if !places.is_empty() {
@@ -116,6 +116,7 @@ fn switch(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
         Some(false) => "off",
         None => words::UNKNOWN,
     };
+    written_by_key(ui, ui.next_auto_id(), module, pass, item);
     let response = ui.add(Checkbox::new(&mut on, word).indeterminate(known.is_none()));
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, ui.is_enabled(), on, &item.label));
     if response.changed() {
@@ -140,6 +141,7 @@ fn offered(item: &Item, label: &str) -> String {
 fn choose(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: f32, options: &[(&str, String)]) {
     let wanted = module.wanted(&item.id);
     let text = wanted.map_or_else(|| words::UNKNOWN.to_owned(), |value| offered(item, &item.bare_text(value)));
+    written_by_key(ui, ui.make_persistent_id(item.id.as_str()), module, pass, item);
     let response = widgets::combo(&item.id, width, &text).show_ui(ui, |ui| {
         for (word, label) in options {
             let chosen = matches!(wanted, Some(Value::Choice(known)) if known == word);
@@ -185,14 +187,25 @@ fn field(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: 
     }
 }
 
-/// Enter writes and Esc reverts what has the focus.
+/// Esc reverts what has the focus.
 fn keys(ui: &Ui, response: &Response, module: &Module, pass: &mut Pass<'_>, item: &Item) {
     if module.edit(&item.id).is_none() {
         return;
     }
     if gave_up(ui, response) {
         pass.actions.push(Action::Revert(module.target, Some(item.id.clone())));
-    } else if response.has_focus() && ui.input(|input| pressed_enter(&input.events)) {
+    }
+}
+
+/// Enter writes the change of what has the focus, and with Ctrl all of them, before egui takes the key for a click.
+fn written_by_key(ui: &Ui, id: Id, module: &Module, pass: &mut Pass<'_>, item: &Item) {
+    if module.edit(&item.id).is_none() || !ui.memory(|memory| memory.has_focus(id)) {
+        return;
+    }
+    if ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter)) {
+        let all: Vec<String> = module.edited().into_iter().map(str::to_owned).collect();
+        write(module, pass, &all);
+    } else if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
         write(module, pass, std::slice::from_ref(&item.id));
     }
 }
@@ -200,10 +213,6 @@ fn keys(ui: &Ui, response: &Response, module: &Module, pass: &mut Pass<'_>, item
 /// Whether Esc was pressed in it; egui takes the focus away before anything is drawn.
 fn gave_up(ui: &Ui, response: &Response) -> bool {
     response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape))
-}
-
-fn pressed_enter(events: &[Event]) -> bool {
-    events.iter().any(|event| matches!(event, Event::Key { key: Key::Enter, pressed: true, .. }))
 }
 
 /// Writes these changes, after a question where one cuts the program off from the module or needs INIT mode.
@@ -241,7 +250,7 @@ fn cut_off(module: &Module, ids: Vec<String>) -> Confirm {
         .collect();
     lines.push(String::new());
     lines.push(
-        "In force after DIP 4 is OFF and the power was switched off and on. From then on the module does not answer \
+        "In force once INIT mode is left and the power was switched off and on. From then on the module does not answer \
          with its present settings; scan for it, or use the guided change instead."
             .to_owned(),
     );

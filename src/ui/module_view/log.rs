@@ -174,7 +174,7 @@ impl Log {
             What::Event(number) => rows::event(module, number).map(tables::event_text),
             What::Frame(seq) => tables::frame_text(bench, seq),
         });
-        ui.ctx().copy_text(text.collect());
+        ui.ctx().copy_text(text.take(tables::MOST_COPIED).collect());
     }
 
     fn export(&self, module: &Module, bench: &Bench, wanted: Wanted, form: Form) -> SaveAs {

@@ -36,7 +36,8 @@ use super::app::Pass;
 use super::dialogs::Dialogs;
 use super::settings::Settings;
 use super::theme;
-use crate::bench::{Action, Module};
+use crate::bench::{Action, LineState, Module};
+use crate::bus::RequestId;
 use analog::Analog;
 use commands::Commands;
 use configuration::Configuration;
@@ -52,7 +53,7 @@ use watchdog::Watchdog;
 #[derive(Default)]
 pub struct ModuleView {
     /// The tab that is shown, and what the module was asked for since it came into view.
-    shown: Option<Tab>,
+    shown: Option<(RequestId, Tab)>,
     asked: BTreeSet<String>,
     header: Header,
     plot: LivePlot,
@@ -70,11 +71,11 @@ impl ModuleView {
         if module.definition().is_none() {
             return unknown::show(ui, module, pass, dialogs);
         }
-        let asks = self.shown.as_ref().map(|tab| tabs::to_read(module, tab)).unwrap_or_default();
+        let asks = self.shown.as_ref().map(|(_, tab)| tabs::to_read(module, tab)).unwrap_or_default();
         identity::show(ui, module, pass, &mut self.header, asks);
         ui.add_space(theme::UNIT);
         let tab = tabs::show(ui, module, pass.settings);
-        self.read_what_it_shows(&tab, module, pass.actions);
+        self.read_what_it_shows(&tab, module, pass);
         ui.add_space(theme::GAP);
         let room = ui.available_height() - edits_bar::HEIGHT - theme::UNIT;
         ui.scope(|ui| {
@@ -105,9 +106,13 @@ impl ModuleView {
     }
 
     /// A tab that comes into view asks for what it shows, except for what is polled anyway.
-    fn read_what_it_shows(&mut self, tab: &Tab, module: &Module, actions: &mut Vec<Action>) {
-        if self.shown.as_ref() != Some(tab) {
-            self.shown = Some(tab.clone());
+    fn read_what_it_shows(&mut self, tab: &Tab, module: &Module, pass: &mut Pass<'_>) {
+        if matches!(pass.bench.line(), LineState::Closed) {
+            return;
+        }
+        let shown = Some((module.found_by, tab.clone()));
+        if self.shown != shown {
+            self.shown = shown;
             self.asked.clear();
         }
         let mut ids = tabs::to_read(module, tab);
@@ -115,7 +120,7 @@ impl ModuleView {
         ids.extend(configuration::also_read(module, tab));
         ids.retain(|id| self.asked.insert(id.clone()));
         if !ids.is_empty() {
-            actions.push(Action::Read(module.target, ids));
+            pass.actions.push(Action::Read(module.target, ids));
         }
     }
 }

@@ -146,7 +146,7 @@ mod tests {
         let target = Target { address: 1, protocol, settings: LineSettings::default(), checksum: false };
         let definition = Catalogue::built_in().0.get(model);
         let identified = Identified { definition, name: String::new(), firmware: String::new(), said: String::new() };
-        let module = Module::new(target, identified, jiff::Timestamp::UNIX_EPOCH);
+        let module = Module::new(crate::bus::RequestId(0), target, identified, jiff::Timestamp::UNIX_EPOCH);
         of(&module).iter().map(|tab| tab.label().to_owned()).collect()
     }
 

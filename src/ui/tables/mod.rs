@@ -20,6 +20,9 @@ pub use scroll::Scroll;
 pub use selection::Selection;
 pub use table::{Act, Cell, Column, Line, Table};
 
+/// Rows put on the clipboard at once; more would hold the window up, and are what exports are for.
+pub const MOST_COPIED: usize = 20_000;
+
 /// `12 345`: thousands apart.
 pub fn grouped(number: usize) -> String {
     let digits = number.to_string();

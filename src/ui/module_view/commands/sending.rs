@@ -4,7 +4,7 @@ use eframe::egui::{Align, Color32, Ui};
 
 use crate::bench::console::{Exchange, RawCommand, Script};
 use crate::bench::{Action, Module};
-use crate::module::{Danger, Explanation, danger, explain};
+use crate::module::{Danger, Definition, Explanation, danger, explain};
 use crate::protocol::{Protocol, modbus};
 use crate::ui::app::Pass;
 use crate::ui::guard::Confirm;
@@ -48,8 +48,7 @@ fn frame(module: &Module, command: &RawCommand) -> Vec<u8> {
 /// What a command means.
 pub fn meaning(module: &Module, command: &RawCommand) -> Explanation {
     let protocol = protocol_of(module, command);
-    let definition = module.definition().map(AsRef::as_ref);
-    explain(definition, protocol, with_checksum(command), &frame(module, command), None)
+    explain(definition_for(module, command), protocol, with_checksum(command), &frame(module, command), None)
 }
 
 /// What the answer of an exchange means; `None` while there is none.
@@ -62,9 +61,8 @@ pub fn meaning_of_answer(module: &Module, exchange: &Exchange) -> Option<Explana
         Protocol::ModbusRtu if !ends_with_crc(answer) => modbus::with_crc(answer),
         _ => answer.clone(),
     };
-    let definition = module.definition().map(AsRef::as_ref);
     let request = frame(module, command);
-    Some(explain(definition, protocol, with_checksum(command), &request, Some(&answer)))
+    Some(explain(definition_for(module, command), protocol, with_checksum(command), &request, Some(&answer)))
 }
 
 fn ends_with_crc(frame: &[u8]) -> bool {
@@ -72,10 +70,37 @@ fn ends_with_crc(frame: &[u8]) -> bool {
     split.is_some_and(|(body, crc)| modbus::crc(body).to_le_bytes() == crc)
 }
 
+/// The address that a command names; `None` for a broadcast, and for what names none.
+fn addressed(command: &RawCommand) -> Option<u8> {
+    match command {
+        RawCommand::Dcon { text, .. } => u8::from_str_radix(text.get(1..3)?, 16).ok(),
+        RawCommand::Modbus { bytes } => bytes.first().copied().filter(|address| *address != 0),
+    }
+}
+
+/// What is known of the module that a command goes to: nothing if it is not the one of this tab, because the same command
+/// may read on one model and write on another.
+fn definition_for<'a>(module: &'a Module, command: &RawCommand) -> Option<&'a Definition> {
+    let here = addressed(command).is_none_or(|address| address == module.target.address);
+    module.definition().map(AsRef::as_ref).filter(|_| here)
+}
+
+/// To whom a command goes, for a question.
+fn receiver(module: &Module, command: &RawCommand) -> String {
+    match addressed(command) {
+        Some(address) if address != module.target.address => format!("address {address}, which is not this module"),
+        _ => format!("{} at address {}", module.label(), module.target.address),
+    }
+}
+
 /// What a command may do; `None` if it only reads.
 pub fn danger_of(module: &Module, command: &RawCommand) -> Option<Danger> {
-    let definition = module.definition().map(AsRef::as_ref);
-    danger(definition, protocol_of(module, command), with_checksum(command), &frame(module, command))
+    danger(
+        definition_for(module, command),
+        protocol_of(module, command),
+        with_checksum(command),
+        &frame(module, command),
+    )
 }
 
 /// Why nothing can be sent at present, or not this.
@@ -146,7 +171,7 @@ fn ask_or_do(module: &Module, pass: &mut Pass<'_>, command: &RawCommand, action:
         lines.push(more.to_owned());
     }
     *pass.confirm = Some(Confirm {
-        title: format!("Send {command} to {} at address {}", module.label(), module.target.address),
+        title: format!("Send {command} to {}", receiver(module, command)),
         lines,
         button: button_of(&danger).to_owned(),
         actions: vec![action],

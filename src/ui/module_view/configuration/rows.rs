@@ -98,8 +98,8 @@ fn init_note(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
     ui.horizontal(|ui| {
         let text = match changed {
             0 => "(INIT): written in INIT mode only, in force after a power cycle.".to_owned(),
-            1 => "1 change is written in INIT mode only (DIP 4 ON).".to_owned(),
-            many => format!("{many} changes are written in INIT mode only (DIP 4 ON)."),
+            1 => "1 change is written in INIT mode only.".to_owned(),
+            many => format!("{many} changes are written in INIT mode only."),
         };
         let button = if changed == 0 { 0.0 } else { theme::CHANGE_IN_INIT + theme::GAP };
         let width = (ui.available_width() - button).min(theme::TEXT_WIDTH);
@@ -119,7 +119,7 @@ fn change_in_init(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
     let button = Button::new("Change in INIT mode…").min_size(vec2(theme::CHANGE_IN_INIT, theme::CONTROL_HEIGHT));
     let response = ui
         .add_enabled(!wrong, button)
-        .on_hover_text("Step by step: DIP 4 ON, power, write, DIP 4 OFF, power, find the module again")
+        .on_hover_text("Step by step: INIT mode on, power, write, INIT mode off, power, find the module again")
         .on_disabled_hover_text("One of these values is not allowed");
     if response.clicked() {
         pass.actions.push(Action::BeginInit(module.target));

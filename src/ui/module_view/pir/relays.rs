@@ -52,7 +52,10 @@ fn relay(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, series: &Series<'_>)
     let barred = barred(module, item);
     heading(ui, module, series, pass, palette);
     ui.horizontal(|ui| {
-        let shown = module.wanted(&item.id).and_then(Value::as_bool);
+        // A switch that was refused stands where the module says it does.
+        let under_way = module.edit(&item.id).is_some_and(crate::bench::Edit::is_being_written);
+        let position = if under_way { module.wanted(&item.id) } else { module.known(&item.id) };
+        let shown = position.and_then(Value::as_bool);
         let response = switch(ui, item, shown, barred.is_none());
         if response.on_hover_text(form::explanation(item)).clicked() {
             let on = !shown.unwrap_or(false);
