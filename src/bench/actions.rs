@@ -37,6 +37,8 @@ pub enum Action {
     Remove(Target),
     /// Poll every module whose model is known, or none.
     PollAll(bool),
+    /// Ask one place whether the module that was known there is there now.
+    LookFor(Target),
     /// Ask for these items once.
     Read(Target, Vec<String>),
     /// Change an item, to be written later; the text is judged by the item.
@@ -102,6 +104,7 @@ impl Bench {
             Action::StopPolling(target) => self.stop_polling(target),
             Action::Remove(target) => self.remove(target),
             Action::PollAll(on) => self.poll_all(on),
+            Action::LookFor(target) => self.look_for(target),
             Action::Read(target, ids) => self.read(target, ids),
             Action::Stage(target, id, text) => self.on_module(&target, |module| module.stage(&id, &text)),
             Action::Revert(target, id) => self.on_module(&target, |module| module.revert(id.as_deref())),
@@ -205,6 +208,13 @@ impl Bench {
         let id = self.bus.next_id();
         self.scan = Some(ScanState::Running { id, progress: None, found: 0 });
         self.send(BusCommand::Scan { id, plan });
+    }
+
+    fn look_for(&mut self, target: Target) {
+        let id = self.bus.next_id();
+        if self.try_send(BusCommand::Identify { id, target }) {
+            self.looking.insert(id);
+        }
     }
 
     fn show(&mut self, target: Target) {

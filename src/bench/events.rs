@@ -47,6 +47,10 @@ impl Bench {
             }
             BusEvent::Written { id, target, item, at, result } => self.written(id, target, &item, at, result),
             BusEvent::Acted { id, target, action, at, result } => self.acted(id, target, &action, at, result),
+            BusEvent::Identified { id, target, result } if self.looking.remove(&id) => match result {
+                Ok(identified) => self.found(id, target, identified),
+                Err(failure) => self.notify(Severity::Warning, format!("Nobody answers at {target}: {failure}")),
+            },
             BusEvent::Identified { id, target, result } => self.identified(id, target, result),
             BusEvent::Traffic(frame) => self.traffic.push(frame),
             BusEvent::Statistics(statistics) => self.statistics = statistics,

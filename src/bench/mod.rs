@@ -17,7 +17,7 @@ mod tab_names;
 pub mod traffic;
 mod writing;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -101,6 +101,8 @@ pub struct Bench {
     /// Modules that were given another address or setting, until the window has taken note.
     moves: Vec<(Target, Target)>,
     clock: fn() -> Timestamp,
+    /// Questions whether a module is where it was known to be.
+    looking: BTreeSet<RequestId>,
 }
 
 impl Bench {
@@ -121,6 +123,7 @@ impl Bench {
             init: None,
             moves: Vec::new(),
             clock: Timestamp::now,
+            looking: BTreeSet::new(),
         };
         for error in faulty_files {
             bench.notify(Severity::Warning, format!("Module definition {error}"));

@@ -36,6 +36,8 @@ pub struct Reading {
     pub at: Option<Timestamp>,
     /// Why the last attempt brought no value.
     pub problem: Option<Failure>,
+    /// It was read back after it had been written.
+    pub written: bool,
 }
 
 /// A module that was found.
@@ -95,6 +97,17 @@ impl Module {
 
     pub fn item(&self, id: &str) -> Option<&Item> {
         self.definition().and_then(|definition| definition.item(id))
+    }
+
+    /// What asks for somebody to look: an alarm, or a watchdog that has tripped.
+    pub fn attention(&self) -> Option<&'static str> {
+        let live = self.definition().into_iter().flat_map(|definition| &definition.items).filter(|item| item.live);
+        let on = live.filter(|item| self.known(&item.id).and_then(Value::as_bool) == Some(true));
+        on.map(|item| SwitchKind::of(&item.id)).find_map(|kind| match kind {
+            SwitchKind::Alarm => Some("in alarm"),
+            SwitchKind::Watchdog => Some("watchdog tripped"),
+            SwitchKind::Motion | SwitchKind::Output | SwitchKind::Sound => None,
+        })
     }
 
     /// The model's name for people, or that it is unknown.
@@ -160,7 +173,7 @@ impl Module {
             trend.push(at.as_nanosecond() as f64 / 1e9, number);
         }
         self.note_switch(at, &id, &value);
-        self.readings.insert(id, Reading { value: Some(value), at: Some(at), problem: None });
+        self.readings.insert(id, Reading { value: Some(value), at: Some(at), problem: None, written: false });
     }
 
     fn note_presence(&mut self, at: Timestamp, silent: Option<Failure>) {

@@ -180,6 +180,9 @@ impl Module {
                 let entry = format!("{label}: {before} to {}", text(&value));
                 self.journal.add(at, EntryKind::Written, entry);
                 self.take_value(at, item.to_owned(), value);
+                if let Some(reading) = self.readings.get_mut(item) {
+                    reading.written = true;
+                }
                 if of_this {
                     self.edits.remove(item);
                 }

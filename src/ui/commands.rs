@@ -159,8 +159,8 @@ impl Command {
         match self {
             // The bar beneath the module, so that a field may take Ctrl+Enter first; and egui.
             WriteAll | Larger | Smaller | NormalSize => HeardBy::Others,
-            // Ctrl+W deletes a word; on some systems Ctrl with P, B, D and T moves or deletes as well.
-            ClosePane | PollAll | PauseAll | Beside | Dashboard | Traffic => HeardBy::CommandsOutsideText,
+            // On some systems Ctrl with P, B, D and T moves or deletes in a text.
+            PollAll | PauseAll | Beside | Dashboard | Traffic => HeardBy::CommandsOutsideText,
             _ => HeardBy::Commands,
         }
     }

@@ -96,9 +96,7 @@ impl Count {
 }
 
 fn is_in_alarm(module: &Module) -> bool {
-    let is_alarm = |id: &str| SwitchKind::of(id) == SwitchKind::Alarm;
-    let mut live = module.definition().into_iter().flat_map(|definition| &definition.items).filter(|item| item.live);
-    live.any(|item| is_alarm(&item.id) && module.known(&item.id).and_then(Value::as_bool) == Some(true))
+    module.attention().is_some()
 }
 
 impl Column {

@@ -67,6 +67,10 @@ pub fn state(module: &Module, line: &LineState, palette: &Palette) -> State {
         _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed", "line closed"),
         Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost", "line lost"),
         Presence::Silent { .. } => (Glyph::Cross, palette.error, "silent", "silent"),
+        Presence::Answering if module.attention().is_some() => {
+            let word = module.attention().unwrap_or_default();
+            (Glyph::Triangle, palette.alarm, word, word)
+        }
         Presence::Answering if module.interval.is_some() => (Glyph::Disc, palette.ok, "answering", "answering"),
         Presence::Answering => (Glyph::Ring, palette.ok, "polling paused", "paused"),
         Presence::Found if module.interval.is_some() => {
@@ -137,6 +141,9 @@ fn what_it_says(pass: &Pass<'_>, module: &Module, state: &str) -> (String, bool)
     match (known.is_empty(), &module.presence) {
         (true, _) => (state.to_owned(), false),
         (false, Presence::Silent { .. }) => (format!("{} – {state}", known.join("   ")), false),
+        (false, Presence::Answering) if module.attention().is_some() => {
+            (format!("{} – {state}", known.join("   ")), fresh)
+        }
         (false, _) => (known.join("   "), fresh),
     }
 }

@@ -1,6 +1,6 @@
 //! How the tabs in the middle of the window look, and what a click on them does.
 
-use eframe::egui::{self, Button, Rect, ScrollArea, Ui, WidgetText};
+use eframe::egui::{self, Button, Rect, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, UiResponse};
 
 use super::app::Pass;
@@ -65,15 +65,7 @@ impl Behavior<Pane> for Tabs<'_, '_> {
         theme::ground_frame(palette).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
             ui.set_clip_rect(ui.max_rect().expand(theme::UNIT).intersect(ui.clip_rect()));
-            let mut contents = |ui: &mut Ui| self.views.show(ui, *pane, self.pass, self.dialogs, self.wishes);
-            if matches!(pane, Pane::Module(_)) && ui.available_width() < theme::MODULE_LEAST {
-                ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
-                    ui.set_width(theme::MODULE_LEAST);
-                    contents(ui);
-                });
-            } else {
-                contents(ui);
-            }
+            self.views.show(ui, *pane, self.pass, self.dialogs, self.wishes);
         });
         UiResponse::None
     }

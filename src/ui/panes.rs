@@ -15,7 +15,7 @@ use super::module_view::ModuleView;
 use super::pane_tabs::Tabs;
 use super::traffic::TrafficView;
 use super::{theme, widgets, words};
-use crate::bench::Bench;
+use crate::bench::{Action, Bench};
 use crate::bus::Target;
 
 /// What a tab shows.
@@ -399,19 +399,26 @@ impl Views {
             Pane::Traffic => self.traffic.show(ui, pass),
             Pane::Module(target) => match pass.bench.module(&target) {
                 Some(module) => self.modules.entry(target).or_default().show(ui, module, pass, dialogs),
-                None => absent(ui, target, wishes),
+                None => absent(ui, target, pass, wishes),
             },
         }
     }
 }
 
 /// A module that was open when the program was used last, and is not found yet.
-fn absent(ui: &mut Ui, target: Target, wishes: &mut Vec<Wish>) {
+fn absent(ui: &mut Ui, target: Target, pass: &mut Pass<'_>, wishes: &mut Vec<Wish>) {
     let palette = theme::palette(ui);
     let place = format!("Address {}, {}", words::address(target.address), words::spoken(&target));
-    let lines = [place.as_str(), "It shows here as soon as a scan finds it."];
+    let lines = [place.as_str(), "It shows here as soon as it is found: by a scan, or by asking there."];
     widgets::empty_state(ui, palette, "Not found on this line yet", &lines);
-    if ui.button("Close").clicked() {
-        wishes.push(Wish::Close(Pane::Module(target)));
-    }
+    ui.horizontal(|ui| {
+        let open = pass.bench.line().is_open();
+        let ask = ui.add_enabled(open, egui::Button::new("Ask there"));
+        if ask.on_disabled_hover_text("No line is open: scan to open it").clicked() {
+            pass.actions.push(Action::LookFor(target));
+        }
+        if ui.button("Close").clicked() {
+            wishes.push(Wish::Close(Pane::Module(target)));
+        }
+    });
 }

@@ -31,6 +31,8 @@ pub enum Glyph {
     Outline,
     /// Lost, failed.
     Cross,
+    /// Done.
+    Tick,
     /// Changed, not written.
     Edited,
     /// Out of the window.
@@ -76,6 +78,11 @@ pub fn paint_glyph(painter: &Painter, glyph: Glyph, centre: Pos2, size: f32, col
         Glyph::Frame => drop(painter.rect_stroke(square, 1.0, stroke, egui::StrokeKind::Inside)),
         Glyph::Triangle => drop(painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE))),
         Glyph::Outline => drop(painter.add(Shape::closed_line(corners, stroke))),
+        Glyph::Tick => {
+            let corner = centre + vec2(-radius * 0.2, radius * 0.7);
+            painter.line_segment([centre + vec2(-radius * 0.9, 0.0), corner], stroke);
+            painter.line_segment([corner, centre + vec2(radius * 0.9, -radius * 0.7)], stroke);
+        }
         Glyph::Edited => {
             let tip = centre + vec2(-radius, radius) * 0.9;
             let end = centre + vec2(radius, -radius) * 0.8;

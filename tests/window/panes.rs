@@ -353,3 +353,24 @@ fn ctrl_q_quits() {
     window.step();
     assert!(window.output().viewport_output[&ViewportId::ROOT].commands.contains(&ViewportCommand::Close));
 }
+
+#[test]
+fn a_restored_tab_asks_at_its_place_for_the_module_and_polls_it() {
+    let far = "pir-234@7:modbus_rtu:9600";
+    let sim = sim(&[far], Pace::Skip);
+    let mut window = window(&sim);
+    let target = dcon_bench::bus::Target {
+        address: 7,
+        protocol: dcon_bench::protocol::Protocol::ModbusRtu,
+        settings: dcon_bench::protocol::LineSettings::default(),
+        checksum: false,
+    };
+    // The quick scan does not ask at address 7.
+    click(&mut window, Role::Button, "Scan");
+    until(&mut window, "the scan ends", scan_ended);
+    assert!(window.state().bench().modules().is_empty());
+    window.state_mut().apply(Action::Show(target));
+    click(&mut window, Role::Button, "Ask there");
+    until(&mut window, "it is polled", |window| reading(window, "Temperature").is_some());
+    assert!(window.state().bench().module(&target).is_some_and(|module| module.interval.is_some()));
+}

@@ -155,7 +155,7 @@ fn a_pir_130_over_dcon_has_its_settings_switches_and_sensor() {
     for picture in ["Switches", "Sensor"] {
         assert!(window.query_by_role_and_label(Role::Image, picture).is_some(), "{picture}");
     }
-    for fact in ["Spoken to by: DCON 9600 N81", "Group PIR / Relay"] {
+    for fact in ["Reached by: DCON 9600 N81", "Group PIR / Relay"] {
         assert!(shows(&window, fact), "{fact}");
     }
     assert!(!shows(&window, "Group Host WDT"));
@@ -169,7 +169,7 @@ fn over_tcp_the_network_is_on_the_page_too() {
     let mut window = window_with(&sim, false, settings);
     open(&mut window, "PIR-234, address 1");
     click(&mut window, Role::Tab, "Summary");
-    assert!(shows(&window, "Group Network") && shows(&window, "Spoken to by: Modbus TCP"));
+    assert!(shows(&window, "Group Network") && shows(&window, "Reached by: Modbus TCP"));
     let label = window.state().bench().shown().unwrap().item("tcp_idle_timeout").unwrap().label.clone();
     until_row(&mut window, &label, |text| text.contains("ago"));
 }

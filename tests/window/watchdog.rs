@@ -161,7 +161,7 @@ fn over_modbus_host_ok_is_not_offered_and_that_is_explained() {
     window.step();
     assert!(shows(&window, "the manual documents no Host OK over Modbus"));
     assert!(window.query_by_label("Start Host OK").is_none());
-    assert!(shows(&window, "Host watchdog timeouts"));
+    assert!(shows(&window, "Host watchdog timeout count"));
 }
 
 #[test]

@@ -188,7 +188,7 @@ impl Summary {
             ("Name", or_dash(&self.name)),
             ("Firmware", or_dash(&self.firmware)),
             ("Address", address(self.target.address)),
-            ("Spoken to by", spoken(&self.target)),
+            ("Reached by", spoken(&self.target)),
             ("Manual", or_dash(&self.manual)),
             ("Drawn up", words::moment(self.at, zone)),
             ("Read", read),

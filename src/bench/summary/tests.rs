@@ -29,7 +29,7 @@ fn hold(module: &mut Module, id: &str, text: &str) {
     let item = module.item(id).unwrap();
     let value = item.parse_any(text).unwrap_or_else(|| panic!("{id} cannot be {text}"));
     let at = now() - std::time::Duration::from_secs(4);
-    module.readings.insert(id.to_owned(), Reading { value: Some(value), at: Some(at), problem: None });
+    module.readings.insert(id.to_owned(), Reading { value: Some(value), at: Some(at), ..Reading::default() });
 }
 
 /// A PIR-234 at address 1 with some values, one of them not the factory's and one that cannot be read.

@@ -15,7 +15,7 @@ pub fn of(module: &Module) -> (Vec<Zone>, String) {
         .collect();
     let whole = module.item("pir");
     let offered = |id: &str| module.item(id).is_some_and(|item| module.has(item));
-    let untold = format!("{} does not tell of motion", module.target.protocol.label());
+    let untold = format!("{} reports no motion", module.target.protocol.label());
     if numbers.is_empty() {
         let zone = Zone { label: "PIR".to_owned(), state: seen(module, "pir") };
         let note = if offered("pir") { String::new() } else { untold };

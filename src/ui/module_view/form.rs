@@ -141,15 +141,25 @@ fn offered(item: &Item, label: &str) -> String {
 fn choose(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: f32, options: &[(&str, String)]) {
     let wanted = module.wanted(&item.id);
     let text = wanted.map_or_else(|| words::UNKNOWN.to_owned(), |value| offered(item, &item.bare_text(value)));
-    written_by_key(ui, ui.make_persistent_id(item.id.as_str()), module, pass, item);
+    let key = ui.scope_id().with(("box", &item.id));
+    if let Some(id) = ui.data(|data| data.get_temp::<Id>(key)) {
+        written_by_key(ui, id, module, pass, item);
+    }
+    let mut chosen_now = false;
     let response = widgets::combo(&item.id, width, &text).show_ui(ui, |ui| {
         for (word, label) in options {
             let chosen = matches!(wanted, Some(Value::Choice(known)) if known == word);
             if ui.selectable_label(chosen, label).clicked() {
                 pass.actions.push(Action::Stage(module.target, item.id.clone(), (*word).to_owned()));
+                chosen_now = true;
             }
         }
     });
+    ui.data_mut(|data| data.insert_temp(key, response.response.id));
+    if chosen_now {
+        // So that Enter writes what was chosen.
+        response.response.request_focus();
+    }
     widgets::name_combo(&response.response, &item.label, &text);
     keys(ui, &response.response, module, pass, item);
 }
@@ -309,8 +319,12 @@ fn state_words(
         ItemState::BeingRead => (Some(Glyph::Dashes), palette.quiet, "being read".to_owned()),
         ItemState::Current(at) => {
             let age = words::since(*at, pass.bench.now());
-            let text = if item.live { String::new() } else { format!("read {} ago", words::age(age)) };
-            (None, palette.old, text)
+            let written = module.reading(&item.id).is_some_and(|reading| reading.written);
+            match (item.live, written) {
+                (_, true) => (Some(Glyph::Tick), palette.ok, format!("written {} ago", words::age(age))),
+                (true, false) => (None, palette.old, String::new()),
+                (false, false) => (None, palette.old, format!("read {} ago", words::age(age))),
+            }
         }
         ItemState::Edited => (Some(Glyph::Edited), palette.accent, was()),
         ItemState::Invalid(allowed) => (Some(Glyph::Cross), palette.error, (*allowed).to_owned()),

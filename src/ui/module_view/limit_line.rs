@@ -60,6 +60,9 @@ pub fn show(ui: &Ui, rect: Rect, limit: &Limit, y: f32) {
         let [dash, gap] = theme::DASH;
         painter.extend(Shape::dashed_line(&line, Stroke::new(theme::OUTLINE, colour), dash, gap));
     }
+    if limit.disabled && !inside {
+        return;
+    }
     let place = match inside {
         true => "",
         false if y < rect.top() => " is above",
@@ -71,7 +74,7 @@ pub fn show(ui: &Ui, rect: Rect, limit: &Limit, y: f32) {
     // Above its line, or below where there is no room.
     let top = if y - size.y >= rect.top() { y - size.y } else { y + theme::HAIRLINE };
     let top = top.clamp(rect.top(), (rect.bottom() - size.y).max(rect.top()));
-    let place = Rect::from_min_size(pos2(rect.right() - size.x, top), size);
+    let place = Rect::from_min_size(pos2(rect.left(), top), size);
     painter.rect_filled(place, 0.0, palette.ground);
     painter.galley(Align2::CENTER_CENTER.align_size_within_rect(galley.size(), place).min, galley, colour);
     let response = ui.interact(place, ui.scope_id().with("limit"), Sense::hover());

@@ -36,7 +36,7 @@ use super::app::Pass;
 use super::dialogs::Dialogs;
 use super::settings::Settings;
 use super::theme;
-use crate::bench::{Action, LineState, Module};
+use crate::bench::{Action, DEFAULT_INTERVAL, LineState, Module, Presence};
 use crate::bus::RequestId;
 use analog::Analog;
 use commands::Commands;
@@ -80,7 +80,14 @@ impl ModuleView {
         let room = ui.available_height() - edits_bar::HEIGHT - theme::UNIT;
         ui.scope(|ui| {
             ui.set_height(room);
-            self.contents(ui, &tab, module, pass);
+            if ui.available_width() >= theme::MODULE_LEAST {
+                return self.contents(ui, &tab, module, pass);
+            }
+            // Who it is and what waits to be written stays in view.
+            ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+                ui.set_width(theme::MODULE_LEAST);
+                self.contents(ui, &tab, module, pass);
+            });
         });
         edits_bar::show(ui, module, pass);
     }
@@ -112,6 +119,11 @@ impl ModuleView {
         }
         let shown = Some((module.found_by, tab.clone()));
         if self.shown != shown {
+            // A module that is open is polled, also when it was opened before it was found.
+            let is_new = self.shown.as_ref().is_none_or(|(found_by, _)| *found_by != module.found_by);
+            if is_new && module.interval.is_none() && module.presence == Presence::Found {
+                pass.actions.push(Action::SetInterval(module.target, DEFAULT_INTERVAL));
+            }
             self.shown = shown;
             self.asked.clear();
         }

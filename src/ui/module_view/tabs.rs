@@ -107,7 +107,7 @@ pub fn chosen<'a>(tabs: &'a [Tab], settings: &Settings) -> Option<&'a Tab> {
 pub fn show(ui: &mut Ui, module: &Module, settings: &mut Settings) -> Tab {
     let tabs = of(module);
     let mut chosen = chosen(&tabs, settings).cloned().unwrap_or(Tab::Summary);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
         for tab in &tabs {
             let on = *tab == chosen;

@@ -102,7 +102,7 @@ fn note(module: &Module, whole: Option<&Series<'_>>, series: &[Series<'_>], now:
             ZoneState::Quiet => "any sensor: quiet".to_owned(),
             _ => "any sensor: not known".to_owned(),
         },
-        None => format!("{protocol} does not tell of motion"),
+        None => format!("{protocol} reports no motion"),
     }
 }
 
