@@ -189,6 +189,7 @@ fn check_item(item: &file::Item, item_kind: ItemKind, commands: &[Command], file
         read_only: item.read_only || item_kind == ItemKind::Reading,
         live: item.live,
         on_request: item.on_request,
+        secret: item.secret,
         factory: None,
         optional: item.optional.clone(),
         source: item.source.clone(),

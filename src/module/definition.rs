@@ -175,6 +175,8 @@ pub struct Item {
     pub live: bool,
     /// Reading it changes it, so it is read only when asked for by name.
     pub on_request: bool,
+    /// Not for reports that are handed on.
+    pub secret: bool,
     /// The factory setting, where the manual tells it.
     pub factory: Option<Value>,
     /// The [`Optional`] part it belongs to.

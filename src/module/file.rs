@@ -121,6 +121,8 @@ pub struct Item {
     pub live: bool,
     #[serde(default)]
     pub on_request: bool,
+    #[serde(default)]
+    pub secret: bool,
     pub factory: Option<toml::Value>,
     pub optional: Option<String>,
     #[serde(default)]

@@ -68,7 +68,7 @@ impl TrafficView {
     }
 
     fn filter_row(&mut self, ui: &mut Ui, bench: &Bench) {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             tables::search(ui, &mut self.filter.text, "Search bytes, text, meaning");
             let chosen = DIRECTIONS.iter().find(|(_, way)| *way == self.filter.direction).map_or("", |(name, _)| name);
             let combo = widgets::combo("direction", theme::FORM_BUTTONS, chosen).show_ui(ui, |ui| {

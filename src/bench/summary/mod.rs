@@ -219,7 +219,7 @@ fn groups(module: &Module) -> Vec<Group> {
 }
 
 fn entry(module: &Module, item: &Item) -> Entry {
-    let value = module.known(&item.id);
+    let value = module.known(&item.id).filter(|_| !item.secret);
     // As in `Item::text`: a word such as "Disabled" has no unit.
     let bare = value.map(|value| item.bare_text(value));
     let has_unit = bare.as_ref().is_none_or(|text| text.parse::<f64>().is_ok());
@@ -242,6 +242,9 @@ fn entry(module: &Module, item: &Item) -> Entry {
 }
 
 fn problem(module: &Module, item: &Item) -> Option<String> {
+    if item.secret {
+        return Some("secret, so it is left out".to_owned());
+    }
     let reading = module.reading(&item.id);
     if let Some(failure) = reading.and_then(|reading| reading.problem.as_ref()) {
         return Some(failure.to_string());

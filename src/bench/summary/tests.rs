@@ -85,6 +85,18 @@ fn a_value_that_is_missing_is_a_dash_with_the_reason() {
 }
 
 #[test]
+fn a_secret_is_left_out_of_every_report() {
+    let mut module = module_of(definition("pir-234"), 1, Protocol::ModbusTcp);
+    module.parts = Some(vec!["wifi".to_owned()]);
+    hold(&mut module, "wifi_wpa_password", "hush-hush");
+    let summary = Summary::of(&module, now());
+    assert_eq!(entry(&summary, "wifi_wpa_password").problem.as_deref(), Some("secret, so it is left out"));
+    for report in [summary.to_text(), summary.to_html(), summary.to_json().unwrap()] {
+        assert!(!report.contains("hush-hush"));
+    }
+}
+
+#[test]
 fn a_word_among_numbers_has_no_unit() {
     let mut module = module_of(definition("pir-130"), 1, Protocol::Dcon);
     hold(&mut module, "lux_level", "disabled");

@@ -35,17 +35,25 @@ impl Default for Polling {
 
 /// `asks` are the items that the present tab reads when asked to read again.
 pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Header, asks: Vec<String>) {
+    // Where there is no room beside the name, the watchdog has a row of its own.
+    let indicator = indicator::width(module);
+    let beside = ui.available_width() >= theme::MODULE_LEAST;
     ui.horizontal(|ui| {
         ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
-        let others = indicator::width(module) + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
+        let others = if beside { indicator } else { 0.0 } + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
         let width = (ui.available_width() - others).max(0.0);
         presence(ui, module, pass.bench.line(), width);
         widgets::at_right(ui, |ui| {
             unit_toggle(ui, &mut pass.settings.temperature);
             ui.add_space(theme::GAP);
-            header.indicator.show(ui, module, pass);
+            if beside {
+                header.indicator.show(ui, module, pass);
+            }
         });
     });
+    if !beside && indicator > 0.0 {
+        ui.horizontal(|ui| widgets::at_right(ui, |ui| header.indicator.show(ui, module, pass)));
+    }
     ui.horizontal(|ui| {
         let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + theme::READ_WIDTH + 3.0 * theme::GAP;
         let width = (ui.available_width() - controls).max(0.0);
