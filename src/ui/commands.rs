@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn no_command_takes_what_text_fields_need_everywhere() {
-        let needed = [Key::A, Key::C, Key::V, Key::X, Key::Y, Key::Z, Key::H, Key::K, Key::U, Key::W];
+        let needed = [Key::A, Key::C, Key::V, Key::X, Key::Y, Key::Z, Key::H, Key::K, Key::U];
         for command in Command::all().filter(|command| command.heard_by() == HeardBy::Commands) {
             let shortcut = command.shortcut();
             assert!(shortcut.is_none_or(|keys| !needed.contains(&keys.logical_key)), "{command:?}");

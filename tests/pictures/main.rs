@@ -10,6 +10,7 @@ mod stage;
 use std::sync::Once;
 
 use dcon_bench::bench::Action;
+use dcon_bench::bus::Target;
 use dcon_bench::ui::{App, LineChoice, Settings, Start, ThemeChoice};
 use eframe::egui::vec2;
 use egui_kittest::wgpu::WgpuTestRenderer;
@@ -54,6 +55,11 @@ fn renderer() -> Option<WgpuTestRenderer> {
 
 /// Compares the window with the picture of this name, in both looks.
 fn compare(name: &str, specs: &[&str], tab: &str, shown: usize) {
+    compare_after(name, specs, tab, shown, &[]);
+}
+
+/// The same after the module that is shown was told to do something.
+fn compare_after(name: &str, specs: &[&str], tab: &str, shown: usize, then: &[fn(Target) -> Action]) {
     let mut results = SnapshotResults::new();
     for look in LOOKS {
         let Some(renderer) = renderer() else { return };
@@ -62,6 +68,10 @@ fn compare(name: &str, specs: &[&str], tab: &str, shown: usize) {
             window.step();
             stage.play_into_window();
         }
+        for action in then.iter().filter_map(|action| Some(action(*stage.targets().get(shown)?))) {
+            window.state_mut().apply(action);
+        }
+        (0..FRAMES).for_each(|_| window.step());
         let options =
             SnapshotOptions::new().threshold(THRESHOLD).max_failed_pixels(PIXELS).output_path("tests/pictures/kept");
         window.snapshot_options(format!("{name}-{}", look.name), &options);
@@ -102,6 +112,12 @@ const PIR_130: &str = "pir-130@0xA0:modbus_rtu:9600";
 #[test]
 fn the_configuration_of_a_pir_234() {
     compare("configuration", &[PIR_234, PIR_130], "configuration", 0);
+}
+
+#[test]
+fn the_guide_through_init_mode() {
+    let faster = |target| Action::Stage(target, "baud_rate".to_owned(), "19200".to_owned());
+    compare_after("guide", &[PIR_234], "configuration", 0, &[faster, Action::BeginInit]);
 }
 
 #[test]

@@ -34,6 +34,13 @@ impl Play {
         let (bus, commands, events) = Bus::detached();
         let mut bench = Bench::new(bus, Arc::new(Catalogue::built_in().0), &[]).with_clock(|| AT);
         let target = at(1, protocol);
+        let line = crate::bus::LineAddress::Serial { port: "a port".to_owned() };
+        bench.apply(Action::Connect { line, settings: target.settings });
+        let opened = commands.try_iter().find_map(|command| match command {
+            BusCommand::Open { id, .. } => Some(BusEvent::Opened { id, line: "a port".to_owned() }),
+            _ => None,
+        });
+        bench.take(opened.expect("a line is asked for"));
         bench.take(BusEvent::Found { id: RequestId(1_000), target, identified: identified("pir-234") });
         for (id, text) in edits {
             bench.apply(Action::Stage(target, (*id).to_owned(), (*text).to_owned()));
@@ -252,7 +259,7 @@ fn a_module_found_elsewhere_can_be_looked_for_again() {
     let elsewhere = play.answer(Ok(identified("pir-234")));
     assert_eq!((elsewhere.protocol, elsewhere.settings.baud_rate.bps()), (Protocol::ModbusRtu, 19_200));
     assert_eq!(play.step(), Some(InitStep::Done));
-    assert!(!play.init().is_as_wanted() && play.last_notice().contains("DIP 2 OFF"));
+    assert!(!play.init().is_as_wanted() && play.last_notice().contains("hardware configuration"));
     assert_eq!(play.bench.take_moves(), [(listed, elsewhere)]);
     play.go_on();
     assert_eq!(play.step(), Some(InitStep::FindAgain));
