@@ -19,7 +19,7 @@ use stage::Stage;
 
 /// By how much a pixel may differ before it counts, and how many may: rasterisers round differently.
 const THRESHOLD: f32 = 1.2;
-const PIXELS: usize = 100;
+const PIXELS: usize = 400;
 /// Frames until everything that was asked for is answered and shown.
 const FRAMES: usize = 12;
 /// A minute of history, as the plots show it.
