@@ -12,7 +12,7 @@ use std::sync::Once;
 use dcon_bench::bench::Action;
 use dcon_bench::bus::Target;
 use dcon_bench::ui::{App, LineChoice, Settings, Start, ThemeChoice};
-use eframe::egui::vec2;
+use eframe::egui::{Theme, vec2};
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use stage::Stage;
@@ -74,6 +74,8 @@ fn compare_after(name: &str, specs: &[&str], tab: &str, shown: usize, then: &[fn
             window.state_mut().apply(action);
         }
         (0..FRAMES).for_each(|_| window.step());
+        let is_light = !window.ctx.global_style().visuals.dark_mode;
+        assert_eq!(is_light, look.theme == ThemeChoice::Light, "the picture has the theme of its name");
         let options =
             SnapshotOptions::new().threshold(THRESHOLD).max_failed_pixels(PIXELS).output_path("tests/pictures/kept");
         window.snapshot_options(format!("{name}-{}", look.name), &options);
@@ -100,6 +102,7 @@ fn window(
     let mut window = Harness::builder()
         .with_size(vec2(SIZE[0], SIZE[1]))
         .with_pixels_per_point(look.scale)
+        .with_theme(if look.theme == ThemeChoice::Light { Theme::Light } else { Theme::Dark })
         .renderer(renderer)
         .build_eframe(move |creation| App::new(&creation.egui_ctx, bench, Start { simulated, demo: false, settings }));
     if let Some(target) = targets.get(shown) {
