@@ -168,9 +168,13 @@ impl Module {
     }
 
     pub(super) fn take_value(&mut self, at: Timestamp, id: String, value: Value) {
-        let trend = self.trends.entry(id.clone()).or_default();
-        if let Some(number) = value.as_f64() {
-            trend.push(at.as_nanosecond() as f64 / 1e9, number);
+        if let Value::Number(number) = &value {
+            self.trends
+                .entry(id.clone())
+                .or_insert_with(|| Trend::new(number.decimals))
+                .push(at.as_microsecond(), number.raw);
+        } else if let Some(number) = value.as_bool() {
+            self.trends.entry(id.clone()).or_default().push(at.as_microsecond(), i64::from(number));
         }
         self.note_switch(at, &id, &value);
         self.readings.insert(id, Reading { value: Some(value), at: Some(at), problem: None, written: false });

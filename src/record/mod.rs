@@ -1,7 +1,16 @@
-//! Samples over time, in memory, and files that are written beside the work. Knows neither buses nor windows.
+//! Samples and events over time, in memory and on the disk, and files that are written beside the work. Knows neither
+//! buses nor windows.
 
+mod history;
+mod objects;
+mod store;
 mod trend;
 mod writer;
 
-pub use trend::Trend;
+pub use history::{History, MOST_EVENTS, Record, Series};
+pub use objects::{
+    Change, Event, EventKind, ModuleId, ModuleInfo, SeriesId, SeriesInfo, SeriesKind, micros_of, timestamp,
+};
+pub use store::{Archive, Destination, Keeping, Recorder, Recording, RecordingStatus, StoreError};
+pub use trend::{BLOCK, Block, Columns, Micros, Node, Point, Sample, Statistics, Trend, micros, seconds};
 pub use writer::FileWriter;

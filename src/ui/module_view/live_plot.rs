@@ -195,8 +195,7 @@ fn latest(series: &[Series<'_>], now: Timestamp) -> f64 {
 
 /// The oldest sample that is kept.
 fn first(series: &[Series<'_>]) -> Option<f64> {
-    let oldest = series.iter().filter_map(|one| one.trend?.nearest(0.0)).map(|sample| sample[0]);
-    oldest.reduce(f64::min)
+    series.iter().filter_map(|one| one.trend?.first()).reduce(f64::min)
 }
 
 /// Numbers by unit, in order of first appearance.

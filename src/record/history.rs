@@ -1,0 +1,278 @@
+//! Everything that was measured and that happened, in order of time: the live one of the bench, or that of a recording.
+
+use super::objects::{Event, ModuleId, ModuleInfo, SeriesId, SeriesInfo};
+use super::trend::{Micros, Sample, Trend};
+
+/// Events kept in memory; the oldest are forgotten (a recording has them all).
+pub const MOST_EVENTS: usize = 200_000;
+/// Samples kept in memory, of all series together: 12 bytes each.
+const MOST_RESIDENT: usize = 3_000_000;
+
+/// A piece of news for a recording, in the order in which it came.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Record {
+    /// A new module, or what is known of one has changed.
+    Module(ModuleId, ModuleInfo),
+    Series(SeriesId, SeriesInfo),
+    Sample(SeriesId, Sample),
+    Event(Event),
+}
+
+/// A series with its samples.
+#[derive(Debug, Clone)]
+pub struct Series {
+    pub info: SeriesInfo,
+    pub trend: Trend,
+}
+
+/// Modules, their series and what happened. Nothing is taken out of the lists, so that ids are places in them.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    modules: Vec<ModuleInfo>,
+    series: Vec<Series>,
+    events: std::collections::VecDeque<Event>,
+    /// Events that were forgotten, so that the n-th that ever was is known by its number.
+    forgotten: u64,
+    /// What a recording has not been told yet; nothing while nobody records.
+    news: Option<Vec<Record>>,
+    /// Samples in memory, as it was counted last.
+    resident: usize,
+}
+
+impl History {
+    /// The module with this description, added if it is not there.
+    pub fn module(&mut self, info: ModuleInfo) -> ModuleId {
+        if let Some(place) = self.modules.iter().position(|known| *known == info) {
+            return module_id(place);
+        }
+        let id = module_id(self.modules.len());
+        self.tell(|| Record::Module(id, info.clone()));
+        self.modules.push(info);
+        id
+    }
+
+    /// The module is described in another way from now on: it was given another address, or told its name.
+    pub fn change_module(&mut self, id: ModuleId, info: ModuleInfo) {
+        if let Some(known) = self.modules.get_mut(place(id.0)).filter(|known| **known != info) {
+            *known = info.clone();
+            self.tell(|| Record::Module(id, info));
+        }
+    }
+
+    /// The series of this item, added if it is not there.
+    pub fn series_for(&mut self, info: SeriesInfo) -> SeriesId {
+        if let Some(id) = self.series_of(info.module, &info.item) {
+            return id;
+        }
+        let id = series_id(self.series.len());
+        self.tell(|| Record::Series(id, info.clone()));
+        let trend = Trend::new(info.kind.decimals());
+        self.series.push(Series { info, trend });
+        id
+    }
+
+    /// Adds a sample; one that is not later than the series' last is dropped.
+    pub fn push(&mut self, id: SeriesId, at: Micros, value: i64) {
+        let Some(series) = self.series.get_mut(place(id.0)) else { return };
+        if let Some(sample) = series.trend.push(at, value) {
+            self.resident = self.resident.saturating_add(1);
+            self.tell(|| Record::Sample(id, sample));
+        }
+    }
+
+    /// Samples of the series are missing from here on.
+    pub fn mark_gap(&mut self, id: SeriesId) {
+        if let Some(series) = self.series.get_mut(place(id.0)) {
+            series.trend.mark_gap();
+        }
+    }
+
+    pub fn add_event(&mut self, event: Event) {
+        self.tell(|| Record::Event(event.clone()));
+        if self.events.len() >= MOST_EVENTS {
+            self.events.pop_front();
+            self.forgotten = self.forgotten.saturating_add(1);
+        }
+        self.events.push_back(event);
+    }
+
+    /// Adds a series' stretch that is on the disk only; for whoever opens a recording.
+    pub fn trend_mut(&mut self, id: SeriesId) -> Option<&mut Trend> {
+        self.series.get_mut(place(id.0)).map(|series| &mut series.trend)
+    }
+
+    pub fn modules(&self) -> impl ExactSizeIterator<Item = (ModuleId, &ModuleInfo)> {
+        self.modules.iter().enumerate().map(|(place, info)| (module_id(place), info))
+    }
+
+    pub fn module_info(&self, id: ModuleId) -> Option<&ModuleInfo> {
+        self.modules.get(place(id.0))
+    }
+
+    /// In the order in which they were read first.
+    pub fn series(&self) -> impl ExactSizeIterator<Item = (SeriesId, &Series)> {
+        self.series.iter().enumerate().map(|(place, series)| (series_id(place), series))
+    }
+
+    pub fn get(&self, id: SeriesId) -> Option<&Series> {
+        self.series.get(place(id.0))
+    }
+
+    pub fn series_of(&self, module: ModuleId, item: &str) -> Option<SeriesId> {
+        let is_it = |series: &Series| series.info.module == module && series.info.item == item;
+        self.series.iter().position(is_it).map(series_id)
+    }
+
+    /// Oldest first, by time of arrival.
+    pub fn events(&self) -> &std::collections::VecDeque<Event> {
+        &self.events
+    }
+
+    /// How many events were forgotten: the number of the oldest that is still there.
+    pub fn events_forgotten(&self) -> u64 {
+        self.forgotten
+    }
+
+    /// First and last time of all samples, in microseconds.
+    pub fn span(&self) -> Option<[Micros; 2]> {
+        let first = |series: &Series| series.trend.blocks().first().map(|block| block.node.first);
+        let last = |series: &Series| series.trend.last_sample().map(|sample| sample.at);
+        Some([self.series.iter().filter_map(first).min()?, self.series.iter().filter_map(last).max()?])
+    }
+
+    /// From now on news are kept for a recording, which gets to know first what there is.
+    pub fn begin_news(&mut self) {
+        let modules = self.modules().map(|(id, info)| Record::Module(id, info.clone()));
+        let series = self.series().map(|(id, series)| Record::Series(id, series.info.clone()));
+        self.news = Some(modules.chain(series).collect());
+    }
+
+    /// Nobody records any more.
+    pub fn end_news(&mut self) {
+        self.news = None;
+    }
+
+    /// What is new since this was last asked.
+    pub fn take_news(&mut self) -> Vec<Record> {
+        self.news.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    fn tell(&mut self, record: impl FnOnce() -> Record) {
+        if let Some(news) = &mut self.news {
+            news.push(record());
+        }
+    }
+
+    /// Keeps the memory bounded: samples that a recording has saved, which is everything before `saved`, are given up and
+    /// fetched again when they are looked at; without a recording (`None`) the oldest are forgotten.
+    pub fn tidy(&mut self, saved: Option<Micros>) {
+        if self.resident <= MOST_RESIDENT {
+            return;
+        }
+        let wanted = MOST_RESIDENT / 4 * 3;
+        self.resident = self.series.iter().map(|series| series.trend.resident()).sum();
+        match saved {
+            Some(saved) => self.give_up(saved, wanted),
+            None => self.forget(wanted),
+        }
+    }
+
+    /// First what was never looked at since long, then the rest.
+    fn give_up(&mut self, saved: Micros, wanted: usize) {
+        for looks in [256, 16, 0] {
+            for series in &mut self.series {
+                let look = series.trend.look();
+                let given_up = series.trend.give_up(saved, look.saturating_sub(looks));
+                self.resident = self.resident.saturating_sub(given_up);
+                if self.resident <= wanted {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn forget(&mut self, wanted: usize) {
+        let share = wanted.checked_div(self.series.len()).unwrap_or(wanted);
+        for series in &mut self.series {
+            let surplus = series.trend.resident().saturating_sub(share);
+            if surplus > 0 {
+                series.trend.forget_oldest(surplus);
+            }
+        }
+        self.resident = self.series.iter().map(|series| series.trend.resident()).sum();
+    }
+}
+
+fn place(id: u32) -> usize {
+    usize::try_from(id).unwrap_or(usize::MAX)
+}
+
+fn module_id(place: usize) -> ModuleId {
+    ModuleId(u32::try_from(place).unwrap_or(u32::MAX))
+}
+
+fn series_id(place: usize) -> SeriesId {
+    SeriesId(u32::try_from(place).unwrap_or(u32::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::SeriesKind;
+
+    fn history() -> (History, SeriesId) {
+        let mut history = History::default();
+        let module = history.module(ModuleInfo { address: 1, label: "PIR-234".into(), ..ModuleInfo::default() });
+        let (item, label, unit) = ("temperature_c".into(), "Temperature".into(), "°C".into());
+        let id = history.series_for(SeriesInfo { module, item, label, unit, kind: SeriesKind::Number { decimals: 2 } });
+        (history, id)
+    }
+
+    #[test]
+    fn the_same_module_and_item_are_known_again() {
+        let (mut history, id) = history();
+        let (module, info) = history.modules().next().map(|(id, info)| (id, info.clone())).unwrap();
+        assert_eq!(history.module(info), module);
+        let info = history.get(id).unwrap().info.clone();
+        assert_eq!(history.series_for(info), id);
+        assert_eq!(history.series().len(), 1);
+    }
+
+    #[test]
+    fn a_recording_that_begins_later_gets_to_know_what_there_is() {
+        let (mut history, id) = history();
+        history.push(id, 1, 2_499);
+        assert!(history.take_news().is_empty());
+        history.begin_news();
+        history.push(id, 2, 2_500);
+        let news = history.take_news();
+        assert!(matches!(news.as_slice(), [Record::Module(..), Record::Series(..), Record::Sample(of, sample)]
+            if *of == id && sample.value == 2_500));
+        assert!(history.take_news().is_empty());
+    }
+
+    #[test]
+    fn without_a_recording_the_memory_is_bounded_and_the_newest_stay() {
+        let (mut history, id) = history();
+        for at in 0..3_100_000 {
+            history.push(id, at, at);
+            history.tidy(None);
+        }
+        let trend = &history.get(id).unwrap().trend;
+        assert!(trend.resident() <= MOST_RESIDENT);
+        assert_eq!(trend.last_sample().unwrap().at, 3_099_999);
+        assert_eq!(trend.len(), trend.resident() as u64);
+    }
+
+    #[test]
+    fn with_a_recording_nothing_is_forgotten() {
+        let (mut history, id) = history();
+        for at in 0..3_100_000 {
+            history.push(id, at, at);
+            history.tidy(Some(at));
+        }
+        let trend = &history.get(id).unwrap().trend;
+        assert!(trend.resident() <= MOST_RESIDENT);
+        assert_eq!(trend.len(), 3_100_000);
+    }
+}

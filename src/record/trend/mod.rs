@@ -1,0 +1,286 @@
+//! The history of one reading: every sample, with what is known of ever longer stretches, so that drawing a month costs
+//! the same as drawing a minute and no peak is hidden.
+//!
+//! Samples stand in blocks of up to 512. Of each block, and of each 16, 256, 4096 and 65 536 blocks, the lowest and
+//! highest value are known, with what statistics need. The samples of a block that is on the disk may be given up; whoever
+//! looks at them notes that they are wanted ([`Trend::take_wanted`]), and they come back by [`Trend::fill`].
+
+mod block;
+mod draw;
+mod node;
+mod statistics;
+#[cfg(test)]
+mod tests;
+
+use std::cell::{Cell, RefCell};
+use std::sync::Arc;
+
+pub use block::{BLOCK, Block, Columns};
+pub use node::Node;
+pub use statistics::Statistics;
+
+/// Microseconds since 1970 UTC.
+pub type Micros = i64;
+
+/// One value at its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sample {
+    pub at: Micros,
+    /// In units of the series' last decimal.
+    pub value: i64,
+    /// It does not continue the sample before: samples are missing between them.
+    pub gap: bool,
+}
+
+/// Seconds since 1970 UTC and the value, as plots take them.
+pub type Point = [f64; 2];
+
+/// How many nodes of one level are one of the next.
+const FAN: usize = 16;
+/// Levels above the blocks; nodes of the highest stand for 33 million samples each.
+const LEVELS: usize = 4;
+/// Stretches that may be wanted at a time; what is wanted beyond it is wanted again at the next look.
+const MOST_WANTED: usize = 256;
+
+/// Samples in order of time, with the gaps where none could be taken.
+#[derive(Debug, Clone, Default)]
+pub struct Trend {
+    decimals: u8,
+    blocks: Vec<Block>,
+    levels: [Vec<Node>; LEVELS],
+    last: Option<Sample>,
+    gap: bool,
+    /// Looks so far, by which it is known what was not looked at for long.
+    looks: Cell<u32>,
+    /// Stretches that were looked at and are not in memory.
+    wanted: RefCell<Vec<[Micros; 2]>>,
+}
+
+/// Microseconds since 1970 of a time in seconds.
+pub fn micros(seconds: f64) -> Micros {
+    (seconds * 1e6).round() as Micros
+}
+
+/// Seconds since 1970 of a time in microseconds.
+pub fn seconds(at: Micros) -> f64 {
+    at as f64 / 1e6
+}
+
+impl Trend {
+    /// A trend whose values are in units of so many decimals.
+    pub fn new(decimals: u8) -> Self {
+        Self { decimals, ..Self::default() }
+    }
+
+    /// Adds a sample and gives it back as it stands here; one that is not later than the last is dropped.
+    pub fn push(&mut self, at: Micros, value: i64) -> Option<Sample> {
+        if self.last.is_some_and(|last| at <= last.at) {
+            return None;
+        }
+        let sample = Sample { at, value, gap: std::mem::take(&mut self.gap) && self.last.is_some() };
+        let node = Node::of(sample, self.last);
+        self.last = Some(sample);
+        if self.append(sample, &node) {
+            let index = self.blocks.len().saturating_sub(1);
+            self.lift(index, &node);
+        }
+        Some(sample)
+    }
+
+    /// Samples are missing from here on: the line is not drawn through.
+    pub fn mark_gap(&mut self) {
+        self.gap = true;
+    }
+
+    /// Adds a stretch whose samples are on the disk only. `last` is its last sample.
+    pub fn push_stored(&mut self, node: Node, last: Sample) {
+        if self.last.is_some_and(|end| node.first <= end.at) {
+            return;
+        }
+        self.gap = false;
+        self.last = Some(last);
+        self.blocks.push(Block { node, samples: None, used: Cell::default() });
+        self.lift(self.blocks.len().saturating_sub(1), &node);
+    }
+
+    fn append(&mut self, sample: Sample, node: &Node) -> bool {
+        if let Some(Block { node: known, samples: Some(samples), .. }) = self.blocks.last_mut()
+            && Arc::make_mut(samples).push(sample)
+        {
+            known.merge(node);
+            return true;
+        }
+        let mut columns = Columns::default();
+        let taken = columns.push(sample);
+        let used = Cell::new(self.looks.get());
+        self.blocks.push(Block { node: *node, samples: Some(Arc::new(columns)), used });
+        taken
+    }
+
+    /// Takes a stretch at the end of block `index` into the levels above.
+    fn lift(&mut self, index: usize, node: &Node) {
+        let mut place = index;
+        for level in &mut self.levels {
+            place /= FAN;
+            match level.get_mut(place) {
+                Some(known) => known.merge(node),
+                None => level.push(*node),
+            }
+        }
+    }
+
+    pub fn decimals(&self) -> u8 {
+        self.decimals
+    }
+
+    /// What a value in units of the last decimal is divided by.
+    fn scale(&self) -> f64 {
+        10f64.powi(i32::from(self.decimals))
+    }
+
+    fn point(&self, sample: Sample) -> Point {
+        [seconds(sample.at), sample.value as f64 / self.scale()]
+    }
+
+    /// Samples, in memory or on the disk.
+    pub fn len(&self) -> u64 {
+        self.blocks.iter().map(|block| block.node.count).fold(0, u64::saturating_add)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.last.is_none()
+    }
+
+    /// Samples in memory.
+    pub fn resident(&self) -> usize {
+        self.blocks.iter().map(Block::resident).sum()
+    }
+
+    /// The blocks in order of time; for whoever takes the samples away.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    pub fn first(&self) -> Option<f64> {
+        self.blocks.first().map(|block| seconds(block.node.first))
+    }
+
+    pub fn last(&self) -> Option<Point> {
+        self.last.map(|last| self.point(last))
+    }
+
+    /// The last sample as it was pushed.
+    pub fn last_sample(&self) -> Option<Sample> {
+        self.last
+    }
+
+    /// The sample nearest in time; none while it is on the disk only.
+    pub fn nearest(&self, at: f64) -> Option<Point> {
+        let at = micros(at);
+        let candidates = [self.sample_before(at).ok()?, self.sample_from(at).ok()?];
+        let distance = |sample: &Sample| sample.at.abs_diff(at);
+        candidates.into_iter().flatten().min_by_key(distance).map(|sample| self.point(sample))
+    }
+
+    /// The last sample earlier than `at`.
+    fn sample_before(&self, at: Micros) -> Result<Option<Sample>, Absent> {
+        let Some(index) = self.blocks.partition_point(|block| block.node.first < at).checked_sub(1) else {
+            return Ok(None);
+        };
+        let samples = self.samples(index)?;
+        Ok(samples.count_before(at).checked_sub(1).and_then(|place| samples.get(place)))
+    }
+
+    /// The first sample at `at` or later.
+    fn sample_from(&self, at: Micros) -> Result<Option<Sample>, Absent> {
+        let index = self.blocks.partition_point(|block| block.node.last < at);
+        if index >= self.blocks.len() {
+            return Ok(None);
+        }
+        let samples = self.samples(index)?;
+        Ok(samples.get(samples.count_before(at)))
+    }
+
+    /// The samples of a block; notes that they are wanted if they are on the disk only.
+    fn samples(&self, index: usize) -> Result<&Columns, Absent> {
+        let block = self.blocks.get(index).ok_or(Absent)?;
+        block.used.set(self.looks.get());
+        if let Some(samples) = &block.samples {
+            return Ok(samples);
+        }
+        let mut wanted = self.wanted.borrow_mut();
+        let stretch = [block.node.first, block.node.last];
+        if wanted.len() < MOST_WANTED && !wanted.contains(&stretch) {
+            wanted.push(stretch);
+        }
+        Err(Absent)
+    }
+
+    /// The stretches that were looked at since this was last asked and are on the disk only: first and last time.
+    pub fn take_wanted(&mut self) -> Vec<[Micros; 2]> {
+        self.wanted.take()
+    }
+
+    /// Takes in the samples of stretches that were wanted, in order of time; what belongs to no such stretch as a whole
+    /// is left out.
+    pub fn fill(&mut self, samples: &[Sample]) {
+        let Some(from) = samples.first() else { return };
+        let begin = self.blocks.partition_point(|block| block.node.first < from.at);
+        let mut rest = samples;
+        for block in self.blocks.iter_mut().skip(begin) {
+            let inside = rest.partition_point(|sample| sample.at <= block.node.last);
+            let (of_block, after) = rest.split_at_checked(inside).unwrap_or((rest, &[]));
+            rest = after;
+            if block.samples.is_none() && of_block.len() as u64 == block.node.count {
+                let mut columns = Columns::default();
+                if of_block.iter().all(|sample| columns.push(*sample)) {
+                    block.used.set(self.looks.get());
+                    block.samples = Some(Arc::new(columns));
+                }
+            }
+            if rest.is_empty() {
+                break;
+            }
+        }
+    }
+
+    /// Gives up the samples of a full block that end before `saved`, if they were looked at last at `look` or before. The
+    /// number of samples given up.
+    pub fn give_up(&mut self, saved: Micros, look: u32) -> usize {
+        let last = self.blocks.len().saturating_sub(1);
+        let old = self.blocks.iter_mut().take(last).filter(|block| block.node.last < saved && block.used.get() <= look);
+        old.map(|block| block.samples.take().map_or(0, |samples| samples.len())).sum()
+    }
+
+    /// Forgets the oldest samples, so many at least, as whole blocks: for histories that are kept in memory only.
+    pub fn forget_oldest(&mut self, samples: usize) -> usize {
+        let mut forgotten = 0usize;
+        let mut count = 0usize;
+        let most = self.blocks.len().saturating_sub(1);
+        for block in self.blocks.iter().take(most) {
+            if forgotten >= samples {
+                break;
+            }
+            forgotten = forgotten.saturating_add(usize::try_from(block.node.count).unwrap_or(usize::MAX));
+            count = count.saturating_add(1);
+        }
+        self.blocks.drain(..count);
+        self.levels = Default::default();
+        for index in 0..self.blocks.len() {
+            if let Some(node) = self.blocks.get(index).map(|block| block.node) {
+                self.lift(index, &node);
+            }
+        }
+        forgotten
+    }
+
+    /// How often it was looked at: what is drawn from now on counts as looked at later.
+    pub fn look(&self) -> u32 {
+        self.looks.set(self.looks.get().wrapping_add(1));
+        self.looks.get()
+    }
+}
+
+/// The samples are on the disk only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Absent;
