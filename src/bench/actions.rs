@@ -3,10 +3,13 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use jiff::Timestamp;
+
 use super::console::{RawCommand, Script};
-use super::{Bench, DEFAULT_INTERVAL, LineState, Module, ScanState, Severity};
+use super::{Bench, DEFAULT_INTERVAL, LineState, Module, RecordingId, ScanState, Severity};
 use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
 use crate::protocol::LineSettings;
+use crate::record::Destination;
 
 /// What a user asks for.
 #[derive(Debug, Clone)]
@@ -78,6 +81,14 @@ pub enum Action {
     /// Tell something that happened in the window itself.
     Notify(Severity, String),
     ClearNotices,
+    /// Record from now on.
+    Record(Destination),
+    StopRecording,
+    /// Open a recording to look at it.
+    OpenRecording(PathBuf),
+    CloseRecording(RecordingId),
+    /// A remark about a time.
+    AddNote(Timestamp, String),
     /// Forget what passed the line so far.
     ClearTraffic,
 }
@@ -133,6 +144,11 @@ impl Bench {
             Action::AddDefinition(path) => self.add_definition(&path),
             Action::Notify(severity, text) => self.notify(severity, text),
             Action::ClearNotices => self.notices.clear(),
+            Action::Record(destination) => self.start_recording(destination),
+            Action::StopRecording => self.stop_recording(),
+            Action::OpenRecording(path) => self.open_recording(path),
+            Action::CloseRecording(id) => self.close_recording(id),
+            Action::AddNote(at, text) => self.add_note(at, text),
             Action::ClearTraffic => self.clear_traffic(),
         }
     }
@@ -177,6 +193,7 @@ impl Bench {
 
     fn connect(&mut self, line: LineAddress, settings: LineSettings) {
         let id = self.bus.next_id();
+        self.pause_all();
         self.modules.clear();
         self.shown = None;
         self.end_left_init();
@@ -236,8 +253,9 @@ impl Bench {
     }
 
     fn stop_polling(&mut self, target: Target) {
-        if let Some(module) = self.module_mut(&target) {
+        if let Some((module, history)) = self.module_and_history(&target) {
             module.interval = None;
+            module.pause(history);
         }
         self.send(BusCommand::Unwatch { target });
     }
@@ -256,7 +274,15 @@ impl Bench {
         if self.init.as_ref().is_some_and(|init| init.module == target) {
             self.end_left_init();
         }
+        self.hand_over_news();
         self.modules.retain(|module| module.target != target);
+    }
+
+    /// Nothing is measured for now: the lines of all plots have a gap.
+    pub(super) fn pause_all(&mut self) {
+        self.hand_over_news();
+        let Self { modules, history, .. } = self;
+        modules.iter_mut().for_each(|module| module.pause(history));
     }
 
     /// The file is checked before it is copied; it counts from the next start on.

@@ -4,6 +4,7 @@ use super::{Bench, LineState, Module, Reading, ScanState, Severity, Statistics};
 use crate::bus::{BusEvent, RequestId, ScanSummary, Target};
 use crate::module::Identified;
 use crate::protocol::Failure;
+use crate::record::EventKind;
 
 /// Events taken in at once, so that a flood cannot hold up the window; the rest waits for the next frame.
 const MOST_AT_ONCE: usize = 2_000;
@@ -11,13 +12,14 @@ const MOST_AT_ONCE: usize = 2_000;
 impl Bench {
     /// Takes in the events that are waiting. True if anything changed.
     pub fn drain(&mut self) -> bool {
-        for taken in 0..MOST_AT_ONCE {
-            match self.bus.try_event() {
-                Some(event) => self.take(event),
-                None => return taken > 0,
-            }
+        let mut changed = self.pump_recordings();
+        for _ in 0..MOST_AT_ONCE {
+            let Some(event) = self.bus.try_event() else { break };
+            self.take(event);
+            changed = true;
         }
-        true
+        self.hand_over_news();
+        changed
     }
 
     /// Takes in one event.
@@ -36,8 +38,8 @@ impl Bench {
             BusEvent::Found { id, target, identified } => self.found(id, target, identified),
             BusEvent::ScanEnded { id, summary } => self.scan_ended(id, summary),
             BusEvent::Read { id, target, at, values } => {
-                if let Some(module) = self.module_mut(&target) {
-                    module.take(id, at, values);
+                if let Some((module, history)) = self.module_and_history(&target) {
+                    module.take(history, id, at, values);
                 }
             }
             BusEvent::Parts { target, present } => {
@@ -70,6 +72,7 @@ impl Bench {
             }
             BusEvent::Closed { id } if id == awaited => {
                 self.line = LineState::Closed;
+                self.pause_all();
                 self.statistics = Statistics::default();
                 self.end_left_init();
                 self.modules.iter_mut().for_each(Module::forget_requests);
@@ -93,6 +96,7 @@ impl Bench {
 
     fn line_is_restored(&mut self) {
         if let Some(line) = self.line.line().cloned() {
+            self.note_line(EventKind::Found, format!("{line} is there again"));
             self.notify(Severity::Info, format!("{line} is there again"));
             self.line = LineState::Open { line };
             self.read_what_was_lost();
@@ -122,6 +126,8 @@ impl Bench {
             format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself")
         };
         self.notify(Severity::Error, text);
+        self.note_line(EventKind::Lost, format!("{line} is gone ({reason})"));
+        self.pause_all();
         for module in &mut self.modules {
             module.console.stop();
             if let Some(host_ok) = &mut module.host_ok {
@@ -138,13 +144,25 @@ impl Bench {
         }
         let at = self.now();
         match self.module_mut(&target) {
-            Some(module) if module.identified.model() == identified.model() => module.identified = identified,
-            Some(_) => {
-                // Another module stands there now: nothing that was known of the one before is true of it.
-                self.forget(target);
-                self.modules.push(Module::new(id, target, identified, at));
+            Some(module) if module.identified.model() == identified.model() => {
+                module.identified = identified;
+                return self.describe(target);
             }
-            None => self.modules.push(Module::new(id, target, identified, at)),
+            // Another module stands there now: nothing that was known of the one before is true of it.
+            Some(_) => self.forget(target),
+            None => {}
+        }
+        let mut module = Module::new(id, target, identified, at);
+        let line = self.line.line().map(ToString::to_string).unwrap_or_default();
+        module.observe(&mut self.history, &line);
+        self.modules.push(module);
+    }
+
+    /// What the history says of a module that moved or was identified anew.
+    pub(super) fn describe(&mut self, target: Target) {
+        let line = self.line.line().map(ToString::to_string).unwrap_or_default();
+        if let Some((module, history)) = self.module_and_history(&target) {
+            module.describe(history, &line);
         }
     }
 

@@ -3,66 +3,33 @@
 use std::collections::VecDeque;
 
 use jiff::Timestamp;
-use serde::Serialize;
+
+pub use crate::record::EventKind as EntryKind;
+use crate::record::{Change, Event, ModuleId};
 
 /// Entries kept for each module; the oldest are forgotten.
 const KEPT: usize = 100_000;
 
-/// What an entry is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EntryKind {
-    /// Found, or answering again.
-    Found,
-    Lost,
-    Motion,
-    Output,
-    Alarm,
-    Watchdog,
-    Written,
-    Refused,
-    /// An action was carried out.
-    Done,
-    /// Everything else.
-    Note,
-}
-
-impl EntryKind {
-    pub const ALL: [Self; 10] = [
-        Self::Found,
-        Self::Lost,
-        Self::Motion,
-        Self::Output,
-        Self::Alarm,
-        Self::Watchdog,
-        Self::Written,
-        Self::Refused,
-        Self::Done,
-        Self::Note,
-    ];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Found => "Found",
-            Self::Lost => "Lost",
-            Self::Motion => "Motion",
-            Self::Output => "Output",
-            Self::Alarm => "Alarm",
-            Self::Watchdog => "Watchdog",
-            Self::Written => "Written",
-            Self::Refused => "Refused",
-            Self::Done => "Action",
-            Self::Note => "Note",
-        }
-    }
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
     pub at: Timestamp,
     pub kind: EntryKind,
     /// One sentence without its full stop.
     pub text: String,
+    /// For settings that were written.
+    pub change: Option<Change>,
+}
+
+impl Entry {
+    pub fn new(at: Timestamp, kind: EntryKind, text: String) -> Self {
+        Self { at, kind, text, change: None }
+    }
+
+    /// As the history of all modules has it.
+    pub fn to_event(&self, module: Option<ModuleId>) -> Event {
+        let Self { at, kind, text, change } = self.clone();
+        Event { at, module, kind, text, change }
+    }
 }
 
 /// The entries of one module in order of time, bounded in number.
@@ -70,15 +37,28 @@ pub struct Entry {
 pub struct Journal {
     entries: VecDeque<Entry>,
     forgotten: u64,
+    /// The newest entries, so many, are not in the history of all modules yet.
+    news: usize,
 }
 
 impl Journal {
     pub fn add(&mut self, at: Timestamp, kind: EntryKind, text: String) {
+        self.push(Entry::new(at, kind, text));
+    }
+
+    pub fn push(&mut self, entry: Entry) {
         if self.entries.len() >= KEPT {
             self.entries.pop_front();
             self.forgotten = self.forgotten.saturating_add(1);
         }
-        self.entries.push_back(Entry { at, kind, text });
+        self.entries.push_back(entry);
+        self.news = self.news.saturating_add(1);
+    }
+
+    /// What was added since this was last asked.
+    pub(super) fn take_news(&mut self) -> impl Iterator<Item = &Entry> {
+        let known = self.entries.len().saturating_sub(std::mem::take(&mut self.news));
+        self.entries.iter().skip(known)
     }
 
     pub fn len(&self) -> usize {

@@ -11,13 +11,15 @@ mod journal;
 mod module;
 mod notice;
 pub mod objects;
+mod observer;
+mod recording;
 pub mod summary;
 mod switch_kind;
 mod tab_names;
 pub mod traffic;
 mod writing;
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -30,6 +32,8 @@ pub use init::{InitChange, InitProcedure, InitStep};
 pub use journal::{Entry, EntryKind, Journal};
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
+pub use observer::{Observer, module_info, silence};
+pub use recording::RecordingId;
 pub use switch_kind::SwitchKind;
 pub use tab_names::{tab_label, tab_place};
 use traffic::{FrameRef, TrafficLog};
@@ -37,6 +41,7 @@ use traffic::{FrameRef, TrafficLog};
 use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
 use crate::module::{Catalogue, Explanation, FileError};
 use crate::protocol::LineSettings;
+use crate::record::{History, Viewer};
 
 const NOTICES_KEPT: usize = 200;
 /// How often an opened module is polled unless told otherwise.
@@ -103,6 +108,11 @@ pub struct Bench {
     clock: fn() -> Timestamp,
     /// Questions whether a module is where it was known to be.
     looking: BTreeSet<RequestId>,
+    history: History,
+    recording: Option<recording::Recording>,
+    opened: BTreeMap<RecordingId, Viewer>,
+    /// Called by threads when there is something new to show.
+    wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Bench {
@@ -124,6 +134,10 @@ impl Bench {
             moves: Vec::new(),
             clock: Timestamp::now,
             looking: BTreeSet::new(),
+            history: History::default(),
+            recording: None,
+            opened: BTreeMap::new(),
+            wake: Arc::new(|| {}),
         };
         for error in faulty_files {
             bench.notify(Severity::Warning, format!("Module definition {error}"));
@@ -134,6 +148,12 @@ impl Bench {
     /// Replaces the clock that ages are told by.
     pub fn with_clock(mut self, clock: fn() -> Timestamp) -> Self {
         self.clock = clock;
+        self
+    }
+
+    /// Lets threads that work for the bench call `wake` when there is something new to show.
+    pub fn with_wake(mut self, wake: impl Fn() + Send + Sync + 'static) -> Self {
+        self.wake = Arc::new(wake);
         self
     }
 
@@ -221,6 +241,11 @@ impl Bench {
         }
         let at = self.now();
         self.notices.push_back(Notice { at, severity, text });
+    }
+
+    fn module_and_history(&mut self, target: &Target) -> Option<(&mut Module, &mut History)> {
+        let module = self.modules.iter_mut().find(|module| module.target == *target)?;
+        Some((module, &mut self.history))
     }
 
     fn module_mut(&mut self, target: &Target) -> Option<&mut Module> {

@@ -10,11 +10,12 @@ use super::console::Console;
 use super::edits::Edit;
 use super::host_ok::HostOk;
 use super::journal::{EntryKind, Journal};
+use super::observer::{self, Observer};
 use super::switch_kind::SwitchKind;
 use crate::bus::{RequestId, Target, Values};
 use crate::module::{Definition, Identified, Item, Value};
 use crate::protocol::Failure;
-use crate::record::Trend;
+use crate::record::{History, ModuleId, Trend};
 
 /// Whether the module answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,7 +51,8 @@ pub struct Module {
     pub presence: Presence,
     /// By item id.
     pub readings: BTreeMap<String, Reading>,
-    pub trends: BTreeMap<String, Trend>,
+    /// Where its samples go; `None` until it is a part of a history.
+    pub(super) observer: Option<Observer>,
     /// How often it is polled; `None` if it is not.
     pub interval: Option<Duration>,
     /// Changes that are not written yet, by item id.
@@ -79,7 +81,7 @@ impl Module {
             identified,
             presence: Presence::Found,
             readings: BTreeMap::new(),
-            trends: BTreeMap::new(),
+            observer: None,
             interval: None,
             edits: BTreeMap::new(),
             journal,
@@ -115,6 +117,17 @@ impl Module {
         self.definition().map_or("unknown", |definition| definition.label.as_str())
     }
 
+    /// What a history calls it.
+    pub fn history_id(&self) -> Option<ModuleId> {
+        self.observer.as_ref().map(Observer::id)
+    }
+
+    /// The samples of an item, if it was read at least once.
+    pub fn trend<'a>(&self, history: &'a History, id: &str) -> Option<&'a Trend> {
+        let series = self.observer.as_ref()?.series(id)?;
+        history.get(series).map(|series| &series.trend)
+    }
+
     pub fn reading(&self, id: &str) -> Option<&Reading> {
         self.readings.get(id)
     }
@@ -148,57 +161,60 @@ impl Module {
         }
     }
 
+    /// Nothing is asked any more.
+    pub(super) fn pause(&mut self, history: &mut History) {
+        if let Some(observer) = &mut self.observer {
+            observer.pause(history);
+        }
+    }
+
+    /// It is a part of `history` from now on; `line` is what people call the line.
+    pub(super) fn observe(&mut self, history: &mut History, line: &str) {
+        let info = observer::module_info(line, &self.target, &self.identified);
+        self.observer = Some(Observer::new(history, info));
+    }
+
+    /// It has moved, or says something else of itself.
+    pub(super) fn describe(&self, history: &mut History, line: &str) {
+        if let Some(observer) = &self.observer {
+            history.change_module(observer.id(), observer::module_info(line, &self.target, &self.identified));
+        }
+    }
+
     /// Takes in what a poll or read brought.
-    pub(super) fn take(&mut self, id: RequestId, at: Timestamp, values: Values) {
+    pub(super) fn take(&mut self, history: &mut History, id: RequestId, at: Timestamp, values: Values) {
         self.reads.retain(|(read, _)| *read != id);
-        let silent = values.iter().find_map(|(_, result)| match result {
-            Err(failure) if !failure.shows_presence() && !matches!(failure, Failure::NotOffered(_)) => Some(failure),
-            _ => None,
-        });
-        self.note_presence(at, silent.cloned());
+        self.note_presence(at, observer::silence(values.iter().map(|(_, result)| result)).cloned());
         for (id, result) in values {
             match result {
-                Ok(value) => self.take_value(at, id, value),
+                Ok(value) => self.take_value(history, at, id, value),
                 Err(failure) => {
-                    self.trends.entry(id.clone()).or_default().mark_gap();
+                    if let Some(observer) = &mut self.observer {
+                        observer.missing(history, &id);
+                    }
                     self.readings.entry(id).or_default().problem = Some(failure);
                 }
             }
         }
     }
 
-    pub(super) fn take_value(&mut self, at: Timestamp, id: String, value: Value) {
-        if let Value::Number(number) = &value {
-            self.trends
-                .entry(id.clone())
-                .or_insert_with(|| Trend::new(number.decimals))
-                .push(at.as_microsecond(), number.raw);
-        } else if let Some(number) = value.as_bool() {
-            self.trends.entry(id.clone()).or_default().push(at.as_microsecond(), i64::from(number));
+    pub(super) fn take_value(&mut self, history: &mut History, at: Timestamp, id: String, value: Value) {
+        let definition = self.definition().cloned();
+        let item = definition.as_ref().and_then(|definition| definition.item(&id));
+        if let (Some(observer), Some(item)) = (&mut self.observer, item)
+            && let Some(entry) = observer.value(history, item, at, &value, self.interval)
+        {
+            self.journal.push(entry);
         }
-        self.note_switch(at, &id, &value);
         self.readings.insert(id, Reading { value: Some(value), at: Some(at), problem: None, written: false });
     }
 
     fn note_presence(&mut self, at: Timestamp, silent: Option<Failure>) {
-        let was_silent = matches!(self.presence, Presence::Silent { .. });
-        match &silent {
-            Some(failure) if !was_silent => self.journal.add(at, EntryKind::Lost, format!("Lost: {failure}")),
-            None if was_silent => self.journal.add(at, EntryKind::Found, "Answers again".to_owned()),
-            _ => {}
+        if let Some(observer) = &mut self.observer {
+            if let Some(entry) = observer.presence(at, silent.as_ref()) {
+                self.journal.push(entry);
+            }
         }
         self.presence = silent.map_or(Presence::Answering, |failure| Presence::Silent { failure });
-    }
-
-    /// A live switch that changed is an event.
-    fn note_switch(&mut self, at: Timestamp, id: &str, value: &Value) {
-        let before = self.known(id).and_then(Value::as_bool);
-        let (Some(before), Some(now)) = (before, value.as_bool()) else { return };
-        let Some(item) = self.item(id).filter(|item| item.live) else { return };
-        if before != now {
-            let kind = SwitchKind::of(id);
-            let text = format!("{}: {}", item.label, kind.word(now));
-            self.journal.add(at, kind.entry_kind(), text);
-        }
     }
 }

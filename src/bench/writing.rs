@@ -4,10 +4,11 @@ use jiff::Timestamp;
 
 use super::edits::EditState;
 use super::host_ok::HOST_OK;
-use super::journal::EntryKind;
+use super::journal::{Entry, EntryKind};
 use super::{Bench, LineState, Module, Severity};
 use crate::bus::{BusCommand, ItemSet, RequestId, Target};
 use crate::module::{Item, Value, WriteError, moves_to};
+use crate::record::{Change, History};
 
 impl Bench {
     /// Asks for these items, unless they are being asked for already.
@@ -76,13 +77,13 @@ impl Bench {
         result: Result<Value, WriteError>,
     ) {
         let in_init = self.written_in_init(id);
-        let Some(module) = self.module_mut(&in_init.unwrap_or(target)) else { return };
+        let Some((module, history)) = self.module_and_history(&in_init.unwrap_or(target)) else { return };
         let moved = match (&result, module.item(item)) {
             (Ok(value), Some(known)) => moves_to(known, value),
             _ => None,
         };
         let outcome = result.as_ref().map(|_| ()).map_err(Clone::clone);
-        let refusal = module.take_written(id, item, at, result);
+        let refusal = module.take_written(history, id, item, at, result);
         if in_init.is_some() {
             return self.init_written(id, item, outcome);
         }
@@ -140,6 +141,7 @@ impl Bench {
             self.shown = Some(to);
         }
         self.moves.push((from, to));
+        self.describe(to);
         self.read(to, unanswered);
     }
 }
@@ -166,6 +168,7 @@ impl Module {
     /// Takes in how a write ended; the reason if the value does not stand in the module.
     fn take_written(
         &mut self,
+        history: &mut History,
         id: RequestId,
         item: &str,
         at: Timestamp,
@@ -173,13 +176,20 @@ impl Module {
     ) -> Option<String> {
         let label = self.item(item).map_or(item, |item| item.label.as_str()).to_owned();
         let text = |value: &Value| self.item(item).map_or_else(|| value.to_string(), |item| item.text(value));
-        let before = self.known(item).map_or_else(|| "not known".to_owned(), text);
+        let before = self.known(item).cloned();
         let of_this = self.edits.get(item).is_some_and(|edit| edit.state == EditState::Writing(id));
         match result {
             Ok(value) => {
-                let entry = format!("{label}: {before} to {}", text(&value));
-                self.journal.add(at, EntryKind::Written, entry);
-                self.take_value(at, item.to_owned(), value);
+                let known = before.as_ref().map_or_else(|| "not known".to_owned(), text);
+                let entry = Entry::new(at, EntryKind::Written, format!("{label}: {known} to {}", text(&value)));
+                let secret = self.item(item).is_some_and(|item| item.secret);
+                let change = (!secret).then(|| Change {
+                    item: item.to_owned(),
+                    before: before.as_ref().map(ToString::to_string),
+                    after: value.to_string(),
+                });
+                self.journal.push(Entry { change, ..entry });
+                self.take_value(history, at, item.to_owned(), value);
                 if let Some(reading) = self.readings.get_mut(item) {
                     reading.written = true;
                 }
@@ -191,7 +201,7 @@ impl Module {
             Err(error) => {
                 self.journal.add(at, EntryKind::Refused, format!("{error}"));
                 if let WriteError::Differs { found, .. } = &error {
-                    self.take_value(at, item.to_owned(), found.clone());
+                    self.take_value(history, at, item.to_owned(), found.clone());
                 }
                 if let Some(edit) = self.edits.get_mut(item).filter(|_| of_this) {
                     edit.state = EditState::Refused(error.to_string());

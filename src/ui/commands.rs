@@ -29,6 +29,7 @@ pub enum Command {
     PreviousPane,
     Dashboard,
     Traffic,
+    Trends,
     Beside,
     OwnWindow,
     ClosePane,
@@ -43,7 +44,7 @@ use Command::*;
 /// The menu's groups, in its order.
 pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll];
 pub const MODULE: &[Command] = &[ReadAgain, WriteAll, RevertAll, TogglePolling, NextTab, PreviousTab, Remove];
-pub const TABS: &[Command] = &[NextPane, PreviousPane, Dashboard, Traffic, Beside, OwnWindow, ClosePane];
+pub const TABS: &[Command] = &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Beside, OwnWindow, ClosePane];
 pub const SIZE: &[Command] = &[Larger, Smaller, NormalSize];
 pub const PROGRAM: &[Command] = &[Quit];
 
@@ -86,6 +87,7 @@ impl Command {
             PreviousPane => "Previous tab",
             Dashboard => "Dashboard",
             Traffic => "Traffic",
+            Trends => "Trends",
             Beside => "Show beside",
             OwnWindow => "Own window",
             ClosePane => "Close tab",
@@ -115,6 +117,7 @@ impl Command {
             PreviousPane => "Goes through all tabs and windows, backwards",
             Dashboard => "All modules in one table",
             Traffic => "Every frame of the line",
+            Trends => "Plots of all readings, and what happened",
             Beside => "Puts the tab beside the others; once more puts it back among them",
             OwnWindow => "Puts the tab into a window of its own, or back",
             ClosePane => "The module stays in the list and goes on being polled",
@@ -145,6 +148,7 @@ impl Command {
             PreviousPane => ctrl(Modifiers::SHIFT, Key::Tab),
             Dashboard => command(Key::D),
             Traffic => command(Key::T),
+            Trends => command(Key::G),
             Beside => command(Key::B),
             OwnWindow => shifted(Key::N),
             ClosePane => command(Key::W),
@@ -160,7 +164,7 @@ impl Command {
             // The bar beneath the module, so that a field may take Ctrl+Enter first; and egui.
             WriteAll | Larger | Smaller | NormalSize => HeardBy::Others,
             // On some systems Ctrl with P, B, D and T moves or deletes in a text.
-            PollAll | PauseAll | Beside | Dashboard | Traffic => HeardBy::CommandsOutsideText,
+            PollAll | PauseAll | Beside | Dashboard | Traffic | Trends => HeardBy::CommandsOutsideText,
             _ => HeardBy::Commands,
         }
     }
@@ -190,8 +194,8 @@ impl Command {
             NextTab | PreviousTab => module(),
             Remove => unless(in_view(pass.bench, pass.active).is_some(), "No module is in view"),
             ClosePane => unless(pass.active != Pane::Dashboard, "The dashboard stays open"),
-            NextPane | PreviousPane | Dashboard | Traffic | Beside | OwnWindow | Larger | Smaller | NormalSize
-            | Quit => None,
+            NextPane | PreviousPane | Dashboard | Traffic | Trends | Beside | OwnWindow | Larger | Smaller
+            | NormalSize | Quit => None,
         }
     }
 
@@ -220,6 +224,7 @@ impl Command {
             (PreviousPane, _) => panes.step(false),
             (Dashboard, _) => panes.open(Pane::Dashboard),
             (Traffic, _) => panes.open(Pane::Traffic),
+            (Trends, _) => panes.open(Pane::Trends),
             (Beside, _) => panes.toggle_beside(pass.active),
             (OwnWindow, _) => panes.toggle_window(pass.active),
             (ClosePane, _) => pass.closing.push(pass.active),
@@ -247,7 +252,7 @@ pub fn toggled_polling(module: &Module) -> Action {
 fn in_view(bench: &Bench, active: Pane) -> Option<&Module> {
     match active {
         Pane::Module(target) => bench.module(&target),
-        Pane::Dashboard | Pane::Traffic => None,
+        Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Recording(_) => None,
     }
 }
 

@@ -281,7 +281,7 @@ impl Table {
     pub fn of(pass: &Pass<'_>, palette: &Palette) -> Self {
         let unit = pass.settings.temperature;
         let modules: Vec<(&Module, Vec<Series<'_>>)> =
-            pass.bench.modules().iter().map(|module| (module, series_of(module, unit))).collect();
+            pass.bench.modules().iter().map(|module| (module, series_of(pass.bench.history(), module, unit))).collect();
         let all: Vec<&Series<'_>> = modules.iter().flat_map(|(_, series)| series).collect();
         let columns = columns(&all);
         let lines = modules.iter().map(|(module, series)| Line {

@@ -86,7 +86,7 @@ impl Guard {
     pub fn close(&mut self, bench: &Bench, pane: Pane) -> bool {
         let targets = match pane {
             Pane::Module(target) => really_held(bench, vec![target]),
-            Pane::Dashboard | Pane::Traffic => Vec::new(),
+            Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Recording(_) => Vec::new(),
         };
         if targets.is_empty() {
             return true;

@@ -26,6 +26,7 @@ mod status;
 mod tables;
 mod theme;
 mod traffic;
+mod trends;
 mod widgets;
 mod words;
 

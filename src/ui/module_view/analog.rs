@@ -13,7 +13,7 @@ use eframe::egui::Ui;
 use super::live_plot::LivePlot;
 use super::series::{Series, series_of};
 use super::{form, generic, tabs};
-use crate::bench::Module;
+use crate::bench::{Bench, Module};
 use crate::module::Item;
 use crate::ui::app::Pass;
 use crate::ui::settings::TemperatureUnit;
@@ -36,8 +36,8 @@ pub struct Analog {
 
 impl Analog {
     pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
-        let series = of_tab(module, pass.settings.temperature);
-        let twins = of_tab(module, other(pass.settings.temperature));
+        let series = of_tab(pass.bench, module, pass.settings.temperature);
+        let twins = of_tab(pass.bench, module, other(pass.settings.temperature));
         let (numbers, switches): (Vec<&Series<'_>>, Vec<&Series<'_>>) = series.iter().partition(|one| one.is_number());
         let room = ui.available_height();
         let top = ui.cursor().top();
@@ -65,7 +65,7 @@ impl Analog {
         let items = tabs::items(module, TAB);
         let plain = |item: &&Item| !item.live && !latches::is_latch(module, item);
         let (offsets, others): (Vec<&Item>, Vec<&Item>) =
-            items.into_iter().filter(plain).partition(|item| calibration::measured(module, item).is_some());
+            items.into_iter().filter(plain).partition(|item| calibration::measured(pass.bench, module, item).is_some());
         let (alarm, others): (Vec<&Item>, Vec<&Item>) = others.into_iter().partition(|item| alarm::is_setting(item));
         if ui.available_width() >= 2.0 * theme::FORM_COLUMN && !offsets.is_empty() && !alarm.is_empty() {
             ui.columns(2, |columns| {
@@ -102,8 +102,8 @@ fn group(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, heading: &str, items
     }
 }
 
-fn of_tab(module: &Module, unit: TemperatureUnit) -> Vec<Series<'_>> {
-    series_of(module, unit).into_iter().filter(|series| series.item.tab == TAB).collect()
+fn of_tab<'a>(bench: &'a Bench, module: &'a Module, unit: TemperatureUnit) -> Vec<Series<'a>> {
+    series_of(bench.history(), module, unit).into_iter().filter(|series| series.item.tab == TAB).collect()
 }
 
 fn other(unit: TemperatureUnit) -> TemperatureUnit {

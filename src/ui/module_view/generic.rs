@@ -11,8 +11,10 @@ use crate::ui::app::Pass;
 use crate::ui::theme;
 
 pub fn show(ui: &mut Ui, tab: &str, module: &Module, pass: &mut Pass<'_>, plot: &mut LivePlot) {
-    let series: Vec<_> =
-        series_of(module, pass.settings.temperature).into_iter().filter(|series| series.item.tab == tab).collect();
+    let series: Vec<_> = series_of(pass.bench.history(), module, pass.settings.temperature)
+        .into_iter()
+        .filter(|series| series.item.tab == tab)
+        .collect();
     if !series.is_empty() {
         readings::show(ui, module, &series, pass.bench.now());
         ui.add_space(theme::GAP);

@@ -23,7 +23,7 @@ pub struct PirRelay;
 impl PirRelay {
     pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         ui.set_max_width(ui.available_width().min(theme::TAB_WIDTH));
-        let all = series_of(module, pass.settings.temperature);
+        let all = series_of(pass.bench.history(), module, pass.settings.temperature);
         let series: Vec<Series<'_>> = all.into_iter().filter(|series| series.item.tab == TAB).collect();
         // The face at the left, what it switches at its right; the taller of them rules.
         let top = ui.cursor().min;

@@ -9,7 +9,7 @@ use jiff::Timestamp;
 use crate::bench::{Module, Reading, SwitchKind};
 use crate::module::{Definition, Item, Kind, Value};
 use crate::protocol::Failure;
-use crate::record::Trend;
+use crate::record::{History, Trend};
 use crate::ui::settings::TemperatureUnit;
 use crate::ui::theme::{self, Palette};
 use crate::ui::widgets::Glyph;
@@ -52,7 +52,7 @@ pub struct Series<'a> {
 
 /// The live items of a module in the chosen temperature unit: numbers first, then switches by what they show, else in
 /// the order of the definition.
-pub fn series_of(module: &Module, unit: TemperatureUnit) -> Vec<Series<'_>> {
+pub fn series_of<'a>(history: &'a History, module: &'a Module, unit: TemperatureUnit) -> Vec<Series<'a>> {
     let Some(definition) = module.definition() else { return Vec::new() };
     let items = definition.live_items(module.target.protocol);
     let shown = items.filter(|item| module.has(item) && is_chosen(definition, item, unit));
@@ -61,7 +61,7 @@ pub fn series_of(module: &Module, unit: TemperatureUnit) -> Vec<Series<'_>> {
     let numbers = numbers.into_iter().enumerate().map(|(index, item)| (item, Family::Number(index)));
     let switches = switches.into_iter().map(|item| (item, Family::Switch(SwitchKind::of(&item.id))));
     let mut series: Vec<Series<'_>> =
-        numbers.chain(switches).map(|(item, family)| Series::new(module, item, family)).collect();
+        numbers.chain(switches).map(|(item, family)| Series::new(history, module, item, family)).collect();
     series.sort_by_key(|series| series.family);
     series
 }
@@ -77,10 +77,10 @@ fn is_chosen(definition: &Arc<Definition>, item: &Item, unit: TemperatureUnit) -
 }
 
 impl<'a> Series<'a> {
-    fn new(module: &'a Module, item: &'a Item, family: Family) -> Self {
+    fn new(history: &'a History, module: &'a Module, item: &'a Item, family: Family) -> Self {
         let stem = item.id.strip_suffix("_c").or_else(|| item.id.strip_suffix("_f")).unwrap_or(&item.id);
         let label = item.label.trim_end_matches("(°F)").trim_end_matches("(°C)").trim_end();
-        let (reading, trend) = (module.reading(&item.id), module.trends.get(&item.id));
+        let (reading, trend) = (module.reading(&item.id), module.trend(history, &item.id));
         Self { item, stem, label, unit: &item.unit, family, reading, trend }
     }
 

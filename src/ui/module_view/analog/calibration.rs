@@ -6,7 +6,7 @@ use eframe::egui::{Align, Button, Color32, Key, Layout, Role, Sense, TextEdit, U
 
 use super::super::series::{Freshness, Series, series_of};
 use super::super::temperature;
-use crate::bench::{Action, Edit, Module};
+use crate::bench::{Action, Bench, Edit, Module};
 use crate::module::{Fixed, Item, Kind, Value};
 use crate::ui::app::Pass;
 use crate::ui::settings::TemperatureUnit;
@@ -24,16 +24,16 @@ pub struct Calibration {
 }
 
 /// The live reading that an offset is added to, in the offset's unit.
-pub fn measured<'a>(module: &'a Module, offset: &Item) -> Option<Series<'a>> {
+pub fn measured<'a>(bench: &'a Bench, module: &'a Module, offset: &Item) -> Option<Series<'a>> {
     let stem = offset.id.strip_suffix("_offset").filter(|_| !offset.read_only)?;
-    let series = TemperatureUnit::ALL.into_iter().flat_map(|unit| series_of(module, unit));
+    let series = TemperatureUnit::ALL.into_iter().flat_map(|unit| series_of(bench.history(), module, unit));
     series.into_iter().find(|one| one.is_number() && one.stem == stem && one.unit == offset.unit)
 }
 
 impl Calibration {
     /// The line beneath an offset: the reference, and what follows from it. Enter stages it, Esc empties the field.
     pub fn row(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, offset: &Item) {
-        let Some(series) = measured(module, offset) else { return };
+        let Some(series) = measured(pass.bench, module, offset) else { return };
         let unit = reference_unit(offset, pass.settings.temperature);
         let typed = self.typed.entry(offset.id.clone()).or_default();
         ui.horizontal(|ui| {
