@@ -45,7 +45,7 @@ fn starts(bus: &Bus, until: impl Fn(&BusEvent, usize) -> bool) -> Vec<Timestamp>
         }
         match event {
             BusEvent::Traffic(frame) if frame.direction == Direction::Sent => starts.push(frame.at),
-            BusEvent::Read { values, .. } => assert!(values.iter().all(|(_, value)| value.is_ok())),
+            BusEvent::Read { values, .. } => assert!(values.iter().all(|answer| answer.result.is_ok())),
             _ => {}
         }
     }

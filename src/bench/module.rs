@@ -12,7 +12,7 @@ use super::host_ok::HostOk;
 use super::journal::{EntryKind, Journal};
 use super::observer::{self, Observer};
 use super::switch_kind::SwitchKind;
-use crate::bus::{RequestId, Target, Values};
+use crate::bus::{Answer, RequestId, Target, Values};
 use crate::module::{Definition, Identified, Item, Value};
 use crate::protocol::Failure;
 use crate::record::{History, ModuleId, Trend};
@@ -181,11 +181,14 @@ impl Module {
         }
     }
 
-    /// Takes in what a poll or read brought.
+    /// Takes in what a poll or read brought, which ended `at`.
     pub(super) fn take(&mut self, history: &mut History, id: RequestId, at: Timestamp, values: Values) {
         self.reads.retain(|(read, _)| *read != id);
-        self.note_presence(at, observer::silence(values.iter().map(|(_, result)| result)).cloned());
-        for (id, result) in values {
+        match observer::silence(&values) {
+            Some((at, failure)) => self.note_presence(at, Some(failure.clone())),
+            None => self.note_presence(values.iter().map(|answer| answer.at).min().unwrap_or(at), None),
+        }
+        for Answer { id, at, result } in values {
             match result {
                 Ok(value) => self.take_value(history, at, id, value),
                 Err(failure) => {

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 
 use super::journal::Entry;
 use super::switch_kind::SwitchKind;
-use crate::bus::Target;
+use crate::bus::{Answer, Target};
 use crate::module::{Fixed, Identified, Item, Kind, Value};
 use crate::protocol::{Failure, Protocol};
 use crate::record::{EventKind, History, ModuleId, ModuleInfo, SeriesId, SeriesInfo, SeriesKind, micros_of};
@@ -130,10 +130,12 @@ impl Observer {
     }
 }
 
-/// Why the module did not show itself in a set of answers, if it did not.
-pub fn silence<'a>(mut results: impl Iterator<Item = &'a Result<Value, Failure>>) -> Option<&'a Failure> {
-    results.find_map(|result| match result {
-        Err(failure) if !failure.shows_presence() && !matches!(failure, Failure::NotOffered(_)) => Some(failure),
+/// When and why the module did not show itself in a set of answers, if it did not.
+pub fn silence(values: &[Answer]) -> Option<(Timestamp, &Failure)> {
+    values.iter().find_map(|answer| match &answer.result {
+        Err(failure) if !failure.shows_presence() && !matches!(failure, Failure::NotOffered(_)) => {
+            Some((answer.at, failure))
+        }
         _ => None,
     })
 }

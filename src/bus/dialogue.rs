@@ -101,6 +101,14 @@ impl Dialogue {
         }
     }
 
+    /// When the last byte of the last answer had arrived, or when the wait for it was given up.
+    fn answered_at(&self) -> Timestamp {
+        match &self.link {
+            Link::Wire(wire) => wire.ended_at(),
+            Link::Tcp(link) => link.ended_at(),
+        }
+    }
+
     /// The line's clock.
     pub fn now(&self) -> Instant {
         match &self.link {
@@ -257,6 +265,10 @@ impl Speaker<'_> {
 }
 
 impl Ask for Speaker<'_> {
+    fn answered_at(&self) -> Timestamp {
+        self.dialogue.answered_at()
+    }
+
     fn follow(&mut self, address: u8) {
         self.target.address = address;
     }

@@ -13,12 +13,14 @@ use super::target::{LineAddress, Target};
 use crate::module::{Definition, Identified, Value, WriteError};
 use crate::protocol::{Failure, LineSettings};
 
+pub use crate::module::Answer;
+
 /// Names a request; its answers carry it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RequestId(pub u64);
 
-/// Values by item id, each with the reason where there is none.
-pub type Values = Vec<(String, Result<Value, Failure>)>;
+/// What a read or poll brought, item by item, each with its own time and the reason where there is no value.
+pub type Values = Vec<Answer>;
 
 /// Which items of a module.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -119,7 +121,7 @@ pub enum BusEvent {
         target: Target,
         result: Result<Identified, Failure>,
     },
-    /// `at` is when the answer's last byte had arrived.
+    /// `at` is the end of the whole read; each value has its own time.
     Read {
         id: RequestId,
         target: Target,

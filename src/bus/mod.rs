@@ -23,7 +23,7 @@ mod watch;
 mod worker;
 
 pub use client::{Bus, BusGone};
-pub use message::{BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
+pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
 pub use problem::{LineProblem, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};
 pub use serial::{PortInfo, ports};

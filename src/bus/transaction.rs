@@ -77,6 +77,8 @@ pub struct Wire {
     missed: Option<(Missed, Instant)>,
     /// From the end of the last answered request to the first byte of its answer.
     answer_time: Option<Duration>,
+    /// When the last exchange was over; `None` if the line failed before.
+    ended: Option<Instant>,
 }
 
 impl Wire {
@@ -93,6 +95,7 @@ impl Wire {
             echoes: false,
             missed: None,
             answer_time: None,
+            ended: None,
         })
     }
 
@@ -136,6 +139,11 @@ impl Wire {
         self.clock.stamp(self.line.now())
     }
 
+    /// When the last byte of the last answer had arrived, or when the wait for it was given up.
+    pub fn ended_at(&self) -> jiff::Timestamp {
+        self.clock.stamp(self.ended.unwrap_or_else(|| self.line.now()))
+    }
+
     /// Changes speed and format in place. True if they were others before.
     pub fn configure(&mut self, settings: LineSettings) -> Result<bool, LineLost> {
         if settings == self.settings {
@@ -154,6 +162,7 @@ impl Wire {
     /// Sends `request` and returns the verified answer, without echo and noise. `window` runs from the request's last
     /// bit to the answer's first byte.
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
+        self.ended = None;
         self.become_quiet(expected)?;
         self.line.purge()?;
         let started = self.line.now();
@@ -167,12 +176,15 @@ impl Wire {
         self.last_activity = sent;
         if matches!(expected, Expected::Nothing { .. }) {
             self.line.wait_until(sent);
+            self.ended = Some(sent);
             return Ok(Vec::new());
         }
         let mut received = Vec::new();
         let outcome = self.listen(request, expected, sent, window, &mut received);
         let verdict = exchange.verdict(outcome.as_deref());
-        let ended = if verdict == tap::Verdict::Silent { self.line.now() } else { self.last_activity };
+        let nothing_came = verdict == tap::Verdict::Silent || received.is_empty();
+        let ended = if nothing_came { self.line.now() } else { self.last_activity };
+        self.ended = Some(ended);
         let took = ended.saturating_duration_since(sent);
         (self.tap)(exchange.answer(self.clock.stamp(ended), received, took, verdict));
         self.remember(&outcome, Missed::of(expected));

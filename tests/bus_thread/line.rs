@@ -91,7 +91,7 @@ mod through_the_serial_driver {
         let watch = BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval };
         line.bus.send(watch).expect("room");
         let read = |event: &BusEvent| match event {
-            BusEvent::Read { values, .. } => values.iter().all(|(_, value)| value.is_ok()).then_some(()),
+            BusEvent::Read { values, .. } => values.iter().all(|answer| answer.result.is_ok()).then_some(()),
             _ => None,
         };
         line.until(read);

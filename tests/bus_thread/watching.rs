@@ -17,9 +17,9 @@ fn a_watched_module_is_read_again_and_again_until_it_is_let_go() {
     line.until(|event| match event {
         BusEvent::Read { values, .. } => {
             readings += 1;
-            let warm = values
-                .iter()
-                .any(|(id, v)| id == "temperature_c" && v.as_ref().is_ok_and(|v| v.to_string() == "24.99"));
+            let warm = values.iter().any(|answer| {
+                answer.id == "temperature_c" && answer.result.as_ref().is_ok_and(|v| v.to_string() == "24.99")
+            });
             (readings > 5 && warm).then_some(())
         }
         _ => None,
@@ -46,7 +46,7 @@ fn a_watch_follows_its_module_to_a_new_address() {
     line.bus.send(BusCommand::Write { id, target, definition, item, value }).expect("room");
     line.until(|event| match event {
         BusEvent::Read { target, values, .. } if target.address == 9 => {
-            values.iter().all(|(_, v)| v.is_ok()).then_some(())
+            values.iter().all(|answer| answer.result.is_ok()).then_some(())
         }
         _ => None,
     });
@@ -77,7 +77,7 @@ fn a_pulled_adapter_is_told_and_polling_goes_on_when_it_returns() {
     line.sim.plug();
     line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
     line.until(|event| match event {
-        BusEvent::Read { values, .. } => values.iter().all(|(_, value)| value.is_ok()).then_some(()),
+        BusEvent::Read { values, .. } => values.iter().all(|answer| answer.result.is_ok()).then_some(()),
         _ => None,
     });
 }

@@ -208,8 +208,8 @@ impl Worker {
 
     fn begin_reading(&mut self, id: RequestId, target: Target, mut plan: ReadPlan, patience: Patience, poll: bool) {
         if let Err(failure) = self.dialogue() {
-            let values = plan.all_failed(&failure);
             let at = self.timestamp();
+            let values = plan.all_failed(&failure, at);
             return self.tell(BusEvent::Read { id, target, at, values });
         }
         let run = plan.begin(target.address);
@@ -220,10 +220,11 @@ impl Worker {
     pub(super) fn read_on(&mut self) {
         let Some(mut reading) = self.reading.take() else { return };
         let Reading { target, plan, run, patience, .. } = &mut reading;
+        let at = self.timestamp();
         let more = match self.dialogue() {
             Ok(dialogue) => plan.step(run, target.address, &mut dialogue.with(*target, *patience)),
             Err(failure) => {
-                run.fail(&failure);
+                run.fail(&failure, at);
                 false
             }
         };
@@ -236,12 +237,12 @@ impl Worker {
 
     fn end_reading(&mut self, reading: Reading) {
         let Reading { id, target, plan, run, poll, .. } = reading;
-        let values = plan.finish(run);
-        let lost = values.iter().find_map(|(_, result)| match result {
+        let at = self.timestamp();
+        let values = plan.finish(run, at);
+        let lost = values.iter().find_map(|answer| match &answer.result {
             Err(failure @ Failure::LineLost(_)) => Some(failure.clone()),
             _ => None,
         });
-        let at = self.timestamp();
         if poll {
             self.watches.learned(&target, plan);
         }
