@@ -174,3 +174,116 @@ fn missed(before: Timestamp, at: Timestamp, interval: Option<Duration>) -> bool 
     let passed = Duration::try_from(at.duration_since(before)).unwrap_or_default();
     passed > interval.saturating_mul(MISSED_INTERVALS).max(interval.saturating_add(MISSED_AT_LEAST))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::module::{Catalogue, Definition};
+    use crate::record::timestamp;
+
+    const POLLED: Option<Duration> = Some(Duration::from_secs(1));
+
+    fn definition() -> Arc<Definition> {
+        Catalogue::built_in().0.get("pir-234").unwrap()
+    }
+
+    fn observer(history: &mut History) -> Observer {
+        Observer::new(history, ModuleInfo { label: "PIR-234".into(), address: 1, ..ModuleInfo::default() })
+    }
+
+    /// Takes in a value at so many seconds.
+    fn take(observer: &mut Observer, history: &mut History, id: &str, second: i64, value: Value) -> Option<Entry> {
+        let definition = definition();
+        let at = timestamp(second * 1_000_000);
+        observer.value(history, definition.item(id).unwrap(), at, &value, POLLED)
+    }
+
+    fn number(raw: i64) -> Value {
+        Value::Number(Fixed::new(raw, 2))
+    }
+
+    fn samples(history: &History, observer: &Observer, item: &str) -> Vec<(i64, i64, bool)> {
+        let trend = &history.get(observer.series(item).unwrap()).unwrap().trend;
+        let columns = trend.blocks().iter().filter_map(|block| block.samples.as_ref());
+        columns.flat_map(|columns| columns.iter()).map(|s| (s.at / 1_000_000, s.value, s.gap)).collect()
+    }
+
+    #[test]
+    fn polls_that_were_missed_leave_a_gap_and_slow_ones_do_not() {
+        let mut history = History::default();
+        let mut observer = observer(&mut history);
+        for second in [10, 11, 13, 20] {
+            take(&mut observer, &mut history, "temperature_c", second, number(second * 100));
+        }
+        let expected = [(10, 1_000, false), (11, 1_100, false), (13, 1_300, false), (20, 2_000, true)];
+        assert_eq!(samples(&history, &observer, "temperature_c"), expected);
+    }
+
+    #[test]
+    fn an_answer_that_failed_leaves_a_gap_in_its_own_line_only() {
+        let mut history = History::default();
+        let mut observer = observer(&mut history);
+        for id in ["temperature_c", "humidity"] {
+            take(&mut observer, &mut history, id, 1, number(1));
+        }
+        observer.missing(&mut history, "humidity");
+        for id in ["temperature_c", "humidity"] {
+            take(&mut observer, &mut history, id, 2, number(2));
+        }
+        assert_eq!(samples(&history, &observer, "temperature_c"), [(1, 1, false), (2, 2, false)]);
+        assert_eq!(samples(&history, &observer, "humidity"), [(1, 1, false), (2, 2, true)]);
+    }
+
+    #[test]
+    fn a_switch_that_changes_is_an_event_and_the_first_look_is_none() {
+        let mut history = History::default();
+        let mut observer = observer(&mut history);
+        let words: Vec<Option<String>> = [false, true, true, false]
+            .into_iter()
+            .zip(1..)
+            .map(|(on, second)| {
+                take(&mut observer, &mut history, "pir1", second, Value::Bool(on)).map(|entry| entry.text)
+            })
+            .collect();
+        let label = definition().item("pir1").unwrap().label.clone();
+        assert_eq!(words, [None, Some(format!("{label}: motion")), None, Some(format!("{label}: quiet"))]);
+    }
+
+    #[test]
+    fn settings_and_texts_have_no_series_but_limits_do() {
+        let mut history = History::default();
+        let mut observer = observer(&mut history);
+        take(&mut observer, &mut history, "name", 1, Value::Text("PIR234".into()));
+        take(&mut observer, &mut history, "pir_on_time", 1, Value::Choice("33".into()));
+        take(&mut observer, &mut history, "alarm_limit", 1, number(6_500));
+        take(&mut observer, &mut history, "alarm_mode", 1, Value::Choice("latched".into()));
+        let items: Vec<&str> = history.series().map(|(_, series)| series.info.item.as_str()).collect();
+        assert_eq!(items, ["alarm_limit", "alarm_mode"]);
+        let mode = history.get(observer.series("alarm_mode").unwrap()).unwrap();
+        assert_eq!(mode.info.text(mode.trend.last_sample().unwrap().value), "latched");
+    }
+
+    #[test]
+    fn a_module_found_again_goes_on_after_a_gap() {
+        let mut history = History::default();
+        let mut before = observer(&mut history);
+        take(&mut before, &mut history, "humidity", 1, number(1));
+        let mut after = observer(&mut history);
+        take(&mut after, &mut history, "humidity", 2, number(2));
+        assert_eq!(samples(&history, &after, "humidity"), [(1, 1, false), (2, 2, true)]);
+    }
+
+    #[test]
+    fn being_lost_is_told_once_and_so_is_the_return() {
+        let mut observer = observer(&mut History::default());
+        let at = timestamp(0);
+        let silent = Failure::Silent;
+        let kinds: Vec<_> = [None, Some(&silent), Some(&silent), None, None]
+            .into_iter()
+            .map(|silence| observer.presence(at, silence).map(|entry| entry.kind))
+            .collect();
+        assert_eq!(kinds, [None, Some(EventKind::Lost), None, Some(EventKind::Found), None]);
+    }
+}
