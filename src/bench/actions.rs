@@ -1,5 +1,6 @@
 //! What a user can ask for, and how it is carried out.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -34,6 +35,8 @@ pub enum Action {
     Show(Target),
     /// Poll a module so often; zero is as fast as the line allows.
     SetInterval(Target, Duration),
+    /// Poll only these live items of a module; `None` is all of them.
+    ChoosePolled(Target, Option<BTreeSet<String>>),
     /// Stop polling a module; its last values stay.
     StopPolling(Target),
     /// Forget a module.
@@ -112,6 +115,7 @@ impl Bench {
             Action::CancelScan => self.send(BusCommand::CancelScan),
             Action::Show(target) => self.show(target),
             Action::SetInterval(target, interval) => self.watch(target, interval),
+            Action::ChoosePolled(target, items) => self.choose_polled(target, items),
             Action::StopPolling(target) => self.stop_polling(target),
             Action::Remove(target) => self.remove(target),
             Action::PollAll(on) => self.poll_all(on),
@@ -249,7 +253,20 @@ impl Bench {
         let Some(module) = self.module_mut(&target) else { return };
         let Some(definition) = module.definition().cloned() else { return };
         module.interval = Some(interval);
-        self.send(BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval });
+        module.last_interval = Some(interval);
+        let items = match &module.polled {
+            None => ItemSet::Live,
+            Some(_) => ItemSet::Named(module.polled_items().into_iter().map(str::to_owned).collect()),
+        };
+        self.send(BusCommand::Watch { id, target, definition, items, interval });
+    }
+
+    fn choose_polled(&mut self, target: Target, items: Option<BTreeSet<String>>) {
+        let Some(module) = self.module_mut(&target) else { return };
+        module.polled = items;
+        if let Some(interval) = module.interval {
+            self.watch(target, interval);
+        }
     }
 
     fn stop_polling(&mut self, target: Target) {

@@ -1,6 +1,6 @@
 //! One module as the bench knows it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use super::journal::{EntryKind, Journal};
 use super::observer::{self, Observer};
 use super::switch_kind::SwitchKind;
 use crate::bus::{Answer, RequestId, Target, Values};
-use crate::module::{Definition, Identified, Item, Value};
+use crate::module::{Definition, Identified, Item, ReadPlan, Value};
 use crate::protocol::Failure;
 use crate::record::{History, ModuleId, Trend};
 
@@ -55,6 +55,10 @@ pub struct Module {
     pub(super) observer: Option<Observer>,
     /// How often it is polled; `None` if it is not.
     pub interval: Option<Duration>,
+    /// How often it was polled last.
+    pub last_interval: Option<Duration>,
+    /// The live items that are polled; `None` is all of them.
+    pub polled: Option<BTreeSet<String>>,
     /// Changes that are not written yet, by item id.
     pub edits: BTreeMap<String, Edit>,
     /// What happened to it.
@@ -83,6 +87,8 @@ impl Module {
             readings: BTreeMap::new(),
             observer: None,
             interval: None,
+            last_interval: None,
+            polled: None,
             edits: BTreeMap::new(),
             journal,
             host_ok: None,
@@ -139,6 +145,20 @@ impl Module {
             self.parts.as_ref().is_some_and(|parts| parts.contains(part)) || self.readings.contains_key(&item.id)
         };
         item.is_offered(self.target.protocol) && part.is_none_or(there)
+    }
+
+    /// The live items that a poll asks for, in the order of the definition.
+    pub fn polled_items(&self) -> Vec<&str> {
+        let Some(definition) = self.definition() else { return Vec::new() };
+        let is_polled = |item: &&Item| self.polled.as_ref().is_none_or(|polled| polled.contains(&item.id));
+        let items = definition.live_items(self.target.protocol).filter(|item| self.has(item)).filter(is_polled);
+        items.map(|item| item.id.as_str()).collect()
+    }
+
+    /// How many requests a poll takes at first, before it is known what the module refuses.
+    pub fn poll_questions(&self) -> usize {
+        let Some(definition) = self.definition() else { return 0 };
+        ReadPlan::new(definition, self.target.protocol, self.polled_items()).questions(self.target.address)
     }
 
     pub fn is_being_read(&self, id: &str) -> bool {

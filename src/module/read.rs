@@ -100,6 +100,12 @@ impl ReadPlan {
         Self { definition: definition.clone(), protocol, entries, first: 0 }
     }
 
+    /// How many questions a run asks of the module at `address` if none is refused.
+    pub fn questions(&self, address: u8) -> usize {
+        let all: Vec<usize> = (0..self.entries.len()).collect();
+        self.compile(address, &all).len()
+    }
+
     /// Asks everything once and tells of each item its value or why there is none.
     pub fn run(&mut self, address: u8, ask: &mut dyn Ask) -> Vec<Answer> {
         let mut run = self.begin(address);

@@ -33,6 +33,8 @@ pub struct History {
     events: std::collections::VecDeque<Event>,
     /// Events that were forgotten, so that the n-th that ever was is known by its number.
     forgotten: u64,
+    /// How often an event was put before others that were there.
+    reordered: u64,
     /// What a recording has not been told yet; nothing while nobody records.
     news: Option<Vec<Record>>,
     /// Samples in memory, as it was counted last.
@@ -93,7 +95,12 @@ impl History {
             self.events.pop_front();
             self.forgotten = self.forgotten.saturating_add(1);
         }
-        self.events.push_back(event);
+        let place =
+            self.events.iter().rposition(|known| known.at <= event.at).map_or(0, |place| place.saturating_add(1));
+        if place < self.events.len() {
+            self.reordered = self.reordered.saturating_add(1);
+        }
+        self.events.insert(place, event);
     }
 
     /// Adds a series' stretch that is on the disk only; for whoever opens a recording.
@@ -123,7 +130,7 @@ impl History {
         self.series.iter().position(is_it).map(series_id)
     }
 
-    /// Oldest first, by time of arrival.
+    /// Oldest first.
     pub fn events(&self) -> &std::collections::VecDeque<Event> {
         &self.events
     }
@@ -131,6 +138,11 @@ impl History {
     /// How many events were forgotten: the number of the oldest that is still there.
     pub fn events_forgotten(&self) -> u64 {
         self.forgotten
+    }
+
+    /// Changes when an event was put before others, so that places that were noted are not true any more.
+    pub fn events_reordered(&self) -> u64 {
+        self.reordered
     }
 
     /// First and last time of all samples, in microseconds.
@@ -236,6 +248,19 @@ mod tests {
         let info = history.get(id).unwrap().info.clone();
         assert_eq!(history.series_for(info), id);
         assert_eq!(history.series().len(), 1);
+    }
+
+    #[test]
+    fn a_note_about_an_earlier_time_stands_among_the_events_of_that_time() {
+        let mut history = History::default();
+        for (second, text) in [(10, "a"), (20, "b"), (15, "note"), (20, "c")] {
+            let (module, kind, change) = (None, crate::record::EventKind::Note, None);
+            let at = crate::record::timestamp(second * 1_000_000);
+            history.add_event(Event { at, module, kind, text: text.into(), change });
+        }
+        let texts: Vec<&str> = history.events().iter().map(|event| event.text.as_str()).collect();
+        assert_eq!(texts, ["a", "note", "b", "c"]);
+        assert_eq!(history.events_reordered(), 1);
     }
 
     #[test]

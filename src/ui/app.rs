@@ -12,6 +12,7 @@ use super::guard::{Confirm, Guard};
 use super::init_guide::InitGuide;
 use super::notices::Notices;
 use super::panes::{Pane, Panes};
+use super::poll_plan::PollPlan;
 use super::saving::SaveAs;
 use super::scan_form::ScanForm;
 use super::settings::{LineChoice, Settings, SettingsFile};
@@ -47,6 +48,8 @@ pub struct Pass<'a> {
     pub closing: &'a mut Vec<Pane>,
     /// Commands that were chosen or typed; they are carried out when everything is drawn.
     pub commands: &'a mut Vec<Command>,
+    /// Set to show the poll plan.
+    pub poll_plan: &'a mut bool,
     /// The pane that the user works in: commands and keys are meant for it.
     pub active: Pane,
 }
@@ -61,6 +64,7 @@ pub struct App {
     notices: Notices,
     dialogs: Dialogs,
     init_guide: InitGuide,
+    poll_plan: PollPlan,
     /// What was chosen before a demonstration, which is not to be remembered.
     line_before_demo: Option<LineChoice>,
     /// Where the settings are kept; nowhere in tests.
@@ -83,6 +87,7 @@ impl App {
             notices: Notices::default(),
             dialogs: Dialogs::default(),
             init_guide: InitGuide::default(),
+            poll_plan: PollPlan::default(),
             line_before_demo: None,
             settings_file: None,
         };
@@ -165,8 +170,10 @@ impl App {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, init_guide, .. } = self;
+        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, init_guide, poll_plan, .. } =
+            self;
         let palette = theme::palette(ui);
+        let mut show_plan = false;
         let (mut confirm, mut save, mut closing, mut commands) = (None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
             bench,
@@ -177,6 +184,7 @@ impl App {
             save: &mut save,
             closing: &mut closing,
             commands: &mut commands,
+            poll_plan: &mut show_plan,
             active: panes.active(),
         };
         commands::take_typed(ui.ctx(), pass.commands);
@@ -201,12 +209,14 @@ impl App {
             .show(ui, |ui| module_list::show(ui, &mut pass));
         CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
         init_guide.show(ui.ctx(), &mut pass);
+        poll_plan.show(ui.ctx(), &mut pass);
         dialogs.show(ui.ctx(), bench, pass.actions);
         pass.active = panes.active();
         for command in std::mem::take(pass.commands) {
             command.carry_out(ui.ctx(), &mut pass, panes);
             ui.ctx().request_repaint();
         }
+        poll_plan.open |= std::mem::take(&mut show_plan);
         if let Some(save) = save {
             dialogs.ask_to_save(ui.ctx(), save);
         }

@@ -18,6 +18,7 @@ pub enum Command {
     CloseLine,
     PollAll,
     PauseAll,
+    PollPlan,
     ReadAgain,
     WriteAll,
     RevertAll,
@@ -42,7 +43,7 @@ pub enum Command {
 use Command::*;
 
 /// The menu's groups, in its order.
-pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll];
+pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll, PollPlan];
 pub const MODULE: &[Command] = &[ReadAgain, WriteAll, RevertAll, TogglePolling, NextTab, PreviousTab, Remove];
 pub const TABS: &[Command] = &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Beside, OwnWindow, ClosePane];
 pub const SIZE: &[Command] = &[Larger, Smaller, NormalSize];
@@ -76,6 +77,7 @@ impl Command {
             CloseLine => "Close line",
             PollAll => "Poll all modules",
             PauseAll => "Pause all polling",
+            PollPlan => "Poll plan…",
             ReadAgain => "Read again",
             WriteAll => "Write all changes",
             RevertAll => "Revert all changes",
@@ -106,6 +108,7 @@ impl Command {
             CloseLine => "Gives the port free; the last values stay",
             PollAll => "Polls every module whose model is known",
             PauseAll => "Asks no module any more; the last values stay",
+            PollPlan => "Which modules are polled, how often, and what of each",
             ReadAgain => "Asks the module in view again for what its page shows",
             WriteAll => "Writes the changes of the module in view",
             RevertAll => "Takes back the changes of the module in view",
@@ -141,7 +144,7 @@ impl Command {
             PauseAll => shifted(Key::P),
             ReadAgain => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F5)),
             WriteAll => Some(module_view::WRITE_ALL),
-            RevertAll | TogglePolling | Remove => None,
+            RevertAll | TogglePolling | Remove | PollPlan => None,
             NextTab => ctrl(Modifiers::NONE, Key::PageDown),
             PreviousTab => ctrl(Modifiers::NONE, Key::PageUp),
             NextPane => ctrl(Modifiers::NONE, Key::Tab),
@@ -194,8 +197,8 @@ impl Command {
             NextTab | PreviousTab => module(),
             Remove => unless(in_view(pass.bench, pass.active).is_some(), "No module is in view"),
             ClosePane => unless(pass.active != Pane::Dashboard, "The dashboard stays open"),
-            NextPane | PreviousPane | Dashboard | Traffic | Trends | Beside | OwnWindow | Larger | Smaller
-            | NormalSize | Quit => None,
+            PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | Beside | OwnWindow | Larger
+            | Smaller | NormalSize | Quit => None,
         }
     }
 
@@ -213,6 +216,7 @@ impl Command {
             (CloseLine, _) => pass.actions.push(Action::Disconnect),
             (PollAll, _) => pass.actions.push(Action::PollAll(true)),
             (PauseAll, _) => pass.actions.push(Action::PollAll(false)),
+            (PollPlan, _) => *pass.poll_plan = true,
             (ReadAgain, Some(module)) => panes.read_again(module.target),
             (WriteAll, Some(module)) => module_view::write_all(module, pass),
             (RevertAll, Some(module)) => pass.actions.push(Action::Revert(module.target, None)),

@@ -150,7 +150,9 @@ fn quiet_line(ui: &mut Ui, text: &str) {
 fn toolbar(ui: &mut Ui, pass: &mut Pass<'_>, table: &Table, count: &Count, wishes: &mut Vec<Wish>) {
     ui.horizontal_wrapped(|ui| {
         ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-        for (command, text) in [(Command::PollAll, "Poll all"), (Command::PauseAll, "Pause all")] {
+        for (command, text) in
+            [(Command::PollAll, "Poll all"), (Command::PauseAll, "Pause all"), (Command::PollPlan, "Poll plan…")]
+        {
             let obstacle = command.obstacle(pass);
             let button = ui.add_enabled(obstacle.is_none(), Button::new(text));
             let button = button.on_hover_text(command.explanation());

@@ -10,6 +10,7 @@ mod harness;
 mod init;
 mod log;
 mod panes;
+mod poll_plan;
 mod relay;
 mod summary;
 mod traffic;

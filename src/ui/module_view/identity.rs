@@ -10,10 +10,7 @@ use crate::protocol::Failure;
 use crate::ui::app::Pass;
 use crate::ui::settings::TemperatureUnit;
 use crate::ui::widgets::{self, Glyph};
-use crate::ui::{theme, words};
-
-/// Poll intervals to choose from, in milliseconds; 0 is as fast as the line allows.
-const INTERVALS: [u64; 8] = [0, 200, 500, 1_000, 2_000, 5_000, 10_000, 60_000];
+use crate::ui::{interval, theme, words};
 
 /// The interval that polling resumes with.
 struct Polling {
@@ -107,20 +104,10 @@ fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, po
     if let Some(interval) = module.interval {
         polling.interval = interval;
     }
-    let text = match polling.interval {
-        Duration::ZERO => words::interval(Duration::ZERO),
-        interval => format!("every {}", words::interval(interval)),
-    };
-    let combo = widgets::combo("interval", theme::INTERVAL_WIDTH, &text);
-    let response = combo.show_ui(ui, |ui| {
-        for choice in INTERVALS.map(Duration::from_millis) {
-            if ui.selectable_label(polling.interval == choice, words::interval(choice)).clicked() {
-                polling.interval = choice;
-                actions.push(Action::SetInterval(module.target, choice));
-            }
-        }
-    });
-    widgets::name_combo(&response.response, "Poll interval", &text);
+    if let Some(interval) = interval::selector(ui, "interval", "Poll interval", polling.interval) {
+        polling.interval = interval;
+        actions.push(Action::SetInterval(module.target, interval));
+    }
 }
 
 fn pause_button(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Action>, polling: &Polling) {

@@ -71,6 +71,8 @@ pub const ROW_NAME: f32 = 18.0 * UNIT;
 pub const ADDRESSES_WIDTH: f32 = 50.0 * UNIT;
 pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
 pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
+/// Height of the list of modules in the poll plan.
+pub const PLAN_HEIGHT: f32 = 90.0 * UNIT;
 pub const INTERVAL_WIDTH: f32 = 48.0 * UNIT;
 pub const POLLING_WIDTH: f32 = 28.0 * UNIT;
 /// Width of text that is read, not glanced at.
