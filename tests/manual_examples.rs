@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use dcon_bench::module::{Ask, Catalogue, Definition, read_items, run_action, write_item};
 use dcon_bench::protocol::{Failure, Protocol, Query, Reply, dcon};
+use jiff::Timestamp;
 
 /// Plays one side of a page of the manual; an empty answer is silence.
 struct Script {
@@ -31,6 +32,10 @@ impl Ask for Script {
             dcon::Answer::Ignored => Err(Failure::Ignored),
             answer => Ok(Reply::Text(answer.to_text())),
         }
+    }
+
+    fn answered_at(&self) -> Timestamp {
+        Timestamp::UNIX_EPOCH
     }
 
     fn follow(&mut self, _address: u8) {}
@@ -129,11 +134,14 @@ fn reads_as_printed(model: &str, examples: &[ReadExample]) {
             fn ask(&mut self, query: &Query) -> Result<Reply, Failure> {
                 if self.0.exchanges.is_empty() { Err(Failure::Silent) } else { self.0.ask(query) }
             }
+            fn answered_at(&self) -> Timestamp {
+                Timestamp::UNIX_EPOCH
+            }
             fn follow(&mut self, _address: u8) {}
         }
         let mut script = Once(Script::new(&[(request, answer)]));
         let read = read_items(&definition, Protocol::Dcon, *address, [*item], &mut script);
-        let read = read.into_iter().next().unwrap_or_else(|| panic!("{item} is not offered")).1;
+        let read = read.into_iter().next().unwrap_or_else(|| panic!("{item} is not offered")).result;
         match (value, &read) {
             (Some(expected), Ok(found)) => assert_eq!(found.to_string(), *expected, "{item}: {request} {answer}"),
             (None, Err(_)) => {}
@@ -275,6 +283,10 @@ impl Ask for SilentTo {
         }
     }
 
+    fn answered_at(&self) -> Timestamp {
+        Timestamp::UNIX_EPOCH
+    }
+
     fn follow(&mut self, _address: u8) {}
 }
 
@@ -292,7 +304,7 @@ fn silence_to_one_command_does_not_hide_what_the_others_tell() {
         for _ in 0..5 {
             values = plan.run(1, &mut module);
         }
-        let known = |id: &str| values.iter().any(|(name, value)| name == id && value.is_ok());
+        let known = |id: &str| values.iter().any(|answer| answer.id == id && answer.result.is_ok());
         assert_eq!(known("temperature_c"), silent != "#01", "{silent}");
         assert_eq!(known("do0"), silent != "@01DI", "{silent}");
         assert_eq!(known("alarm_active"), silent != "@01RAO", "{silent}");
@@ -301,7 +313,7 @@ fn silence_to_one_command_does_not_hide_what_the_others_tell() {
         module.0 = "";
         values = plan.run(1, &mut module);
         for id in ["temperature_c", "do0", "alarm_active", "wdt_tripped"] {
-            let back = values.iter().any(|(name, value)| name == id && value.is_ok());
+            let back = values.iter().any(|answer| answer.id == id && answer.result.is_ok());
             assert!(back || silent == "#01", "{id} comes back after {silent} is answered again");
         }
         assert_eq!(values.len(), all);
@@ -316,6 +328,9 @@ fn a_dead_module_costs_one_question_a_run() {
             self.0 += 1;
             Err(Failure::Silent)
         }
+        fn answered_at(&self) -> Timestamp {
+            Timestamp::UNIX_EPOCH
+        }
         fn follow(&mut self, _address: u8) {}
     }
     let definition = definition("pir-234");
@@ -323,7 +338,7 @@ fn a_dead_module_costs_one_question_a_run() {
         dcon_bench::module::ReadPlan::new(&definition, Protocol::Dcon, definition.live_ids(Protocol::Dcon, &[]));
     let mut module = Dead(0);
     for runs in 1..=5 {
-        assert!(plan.run(1, &mut module).iter().all(|(_, value)| *value == Err(Failure::Silent)));
+        assert!(plan.run(1, &mut module).iter().all(|answer| answer.result == Err(Failure::Silent)));
         assert_eq!(module.0, runs);
     }
 }

@@ -71,8 +71,8 @@ impl Bench {
     fn read(&mut self, id: &str) -> Value {
         let Target { protocol, address, .. } = self.target;
         let mut speaker = self.dialogue.with(self.target, Patience::CONVERSATION);
-        let (_, value) = read_items(&self.definition, protocol, address, [id], &mut speaker).pop().unwrap();
-        value.unwrap_or_else(|failure| panic!("{id} over {}: {failure}", self.target))
+        let answer = read_items(&self.definition, protocol, address, [id], &mut speaker).pop().unwrap();
+        answer.result.unwrap_or_else(|failure| panic!("{id} over {}: {failure}", self.target))
     }
 
     fn write(&mut self, id: &str, text: &str) -> Result<Value, WriteError> {

@@ -99,8 +99,8 @@ impl Bench {
     fn read(&mut self, id: &str) -> Value {
         let mut speaker = self.dialogue.with(self.target, Patience::CONVERSATION);
         let mut values = read_items(&self.definition, self.target.protocol, self.target.address, [id], &mut speaker);
-        let (_, value) = values.pop().unwrap_or_else(|| panic!("{id} is not offered"));
-        value.unwrap_or_else(|failure| panic!("{id} over {}: {failure}", self.target))
+        let answer = values.pop().unwrap_or_else(|| panic!("{id} is not offered"));
+        answer.result.unwrap_or_else(|failure| panic!("{id} over {}: {failure}", self.target))
     }
 
     fn write(&mut self, item: &Item, value: &Value) -> Value {

@@ -11,7 +11,7 @@ use super::edits::Edit;
 use super::host_ok::HostOk;
 use super::journal::{EntryKind, Journal};
 use super::switch_kind::SwitchKind;
-use crate::bus::{RequestId, Target, Values};
+use crate::bus::{Answer, RequestId, Target, Values};
 use crate::module::{Definition, Identified, Item, Value};
 use crate::protocol::Failure;
 use crate::record::Trend;
@@ -148,15 +148,20 @@ impl Module {
         }
     }
 
-    /// Takes in what a poll or read brought.
+    /// Takes in what a poll or read brought, which ended `at`.
     pub(super) fn take(&mut self, id: RequestId, at: Timestamp, values: Values) {
         self.reads.retain(|(read, _)| *read != id);
-        let silent = values.iter().find_map(|(_, result)| match result {
-            Err(failure) if !failure.shows_presence() && !matches!(failure, Failure::NotOffered(_)) => Some(failure),
+        let silent = values.iter().find_map(|answer| match &answer.result {
+            Err(failure) if !failure.shows_presence() && !matches!(failure, Failure::NotOffered(_)) => {
+                Some((answer.at, failure.clone()))
+            }
             _ => None,
         });
-        self.note_presence(at, silent.cloned());
-        for (id, result) in values {
+        match silent {
+            Some((at, failure)) => self.note_presence(at, Some(failure)),
+            None => self.note_presence(values.iter().map(|answer| answer.at).min().unwrap_or(at), None),
+        }
+        for Answer { id, at, result } in values {
             match result {
                 Ok(value) => self.take_value(at, id, value),
                 Err(failure) => {

@@ -52,8 +52,8 @@ impl<'a> ValuesObject<'a> {
 
     /// Those with an id that is `wanted`.
     pub fn of(values: &'a Values, wanted: impl Fn(&str) -> bool) -> Self {
-        let wanted = values.iter().filter(|(id, _)| wanted(id));
-        Self(wanted.map(|(id, result)| (id.as_str(), result.as_ref().ok())).collect())
+        let wanted = values.iter().filter(|answer| wanted(&answer.id));
+        Self(wanted.map(|answer| (answer.id.as_str(), answer.result.as_ref().ok())).collect())
     }
 }
 

@@ -13,12 +13,14 @@ use super::target::{LineAddress, Target};
 use crate::module::{Definition, Identified, Value, WriteError};
 use crate::protocol::{Failure, LineSettings};
 
+pub use crate::module::Answer;
+
 /// Names a request; its answers carry it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RequestId(pub u64);
 
-/// Values by item id, each with the reason where there is none.
-pub type Values = Vec<(String, Result<Value, Failure>)>;
+/// What a read or poll brought, item by item, each with its own time and the reason where there is no value.
+pub type Values = Vec<Answer>;
 
 /// Which items of a module.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,7 +70,9 @@ pub enum BusCommand {
     StopRepeating { target: Target, action: String },
     /// Sends bytes as they are, once. → [`BusEvent::RawAnswer`]
     Raw { id: RequestId, request: RawRequest, settings: LineSettings },
-    /// Reads items again and again; an interval of zero means as fast as the line allows. → [`BusEvent::Read`] each time
+    /// Reads items again and again; an interval of zero means as fast as the line allows. Polls that were missed are not
+    /// caught up. A module that stays silent is asked ever more rarely, but once in 10 s at least, or at its interval if
+    /// that is longer. → [`BusEvent::Read`] each time
     Watch { id: RequestId, target: Target, definition: Arc<Definition>, items: ItemSet, interval: Duration },
     /// Ends a watch. No event follows but those under way.
     Unwatch { target: Target },
@@ -109,7 +113,7 @@ pub enum BusEvent {
         id: RequestId,
         summary: ScanSummary,
     },
-    /// Which optional parts a module has, asked before its items are read for the first time.
+    /// Which optional parts a module has, asked once: before all its items are read, or when it has answered a poll.
     Parts {
         target: Target,
         present: Vec<String>,
@@ -119,7 +123,7 @@ pub enum BusEvent {
         target: Target,
         result: Result<Identified, Failure>,
     },
-    /// `at` is when the answer's last byte had arrived.
+    /// `at` is the end of the whole read; each value has its own time.
     Read {
         id: RequestId,
         target: Target,

@@ -52,12 +52,22 @@ struct TimedTap {
     /// What has come back on it, and when the last of it.
     received: Vec<u8>,
     last_byte: Instant,
+    /// When the last exchange was over; `None` if there was no connection for it.
+    ended: Option<Instant>,
 }
 
 impl TimedTap {
     fn new(tap: Tap) -> Self {
         let now = Instant::now();
-        Self { clock: Clock::starting(now), tap, unit: 0, sent: None, received: Vec::new(), last_byte: now }
+        Self {
+            clock: Clock::starting(now, Timestamp::now()),
+            tap,
+            unit: 0,
+            sent: None,
+            received: Vec::new(),
+            last_byte: now,
+            ended: None,
+        }
     }
 
     fn exchange(&self) -> Exchange {
@@ -70,8 +80,10 @@ impl TimedTap {
     }
 
     fn begin(&mut self, unit: u8) {
+        self.clock.follow(Instant::now(), Timestamp::now());
         self.unit = unit;
         self.sent = None;
+        self.ended = None;
         self.received.clear();
     }
 
@@ -89,6 +101,8 @@ impl TimedTap {
 
     /// Tells what came back. A gateway's word that nobody answered is a refusal here: the bytes say so.
     fn end(&mut self, failure: Option<&Failure>) {
+        let ended = if self.received.is_empty() { Instant::now() } else { self.last_byte };
+        self.ended = Some(ended);
         let Some(sent) = self.sent.take() else { return };
         let bytes = std::mem::take(&mut self.received);
         let verdict = match failure {
@@ -97,7 +111,6 @@ impl TimedTap {
             Some(failure) => self.exchange().verdict(Err(failure)),
             None => Verdict::Answer,
         };
-        let ended = if bytes.is_empty() { Instant::now() } else { self.last_byte };
         let took = ended.saturating_duration_since(sent);
         let frame = self.exchange().answer(self.clock.stamp(ended), bytes, took, verdict);
         (self.tap)(frame);
@@ -115,6 +128,17 @@ impl TcpLink {
 
     pub fn timestamp(&self) -> Timestamp {
         self.tap().clock.stamp(Instant::now())
+    }
+
+    /// Stamps nothing earlier than `floor` from now on.
+    pub fn not_before(&mut self, floor: Timestamp) {
+        self.tap().clock.not_before(floor, Instant::now());
+    }
+
+    /// When the last byte of the last answer had arrived, or when the wait for it was given up.
+    pub fn ended_at(&self) -> Timestamp {
+        let tap = self.tap();
+        tap.clock.stamp(tap.ended.unwrap_or_else(Instant::now))
     }
 
     fn tap(&self) -> MutexGuard<'_, TimedTap> {
@@ -217,12 +241,12 @@ impl TcpLink {
     }
 
     fn take_client(&mut self, runtime: &Runtime, unit: u8) -> Result<ModbusContext, Failure> {
+        self.tap().begin(unit);
         let mut client = match self.client.take() {
             Some(client) => client,
             None => self.open(runtime).map_err(Failure::LineLost)?,
         };
         client.set_slave(Slave(unit));
-        self.tap().begin(unit);
         Ok(client)
     }
 }

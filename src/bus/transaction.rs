@@ -6,6 +6,8 @@
 
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
+
 use super::judge::{self, Expected, Verdict};
 use super::line::{Line, LineLost};
 use super::tap::{self, Clock, Exchange, Tap};
@@ -77,6 +79,8 @@ pub struct Wire {
     missed: Option<(Missed, Instant)>,
     /// From the end of the last answered request to the first byte of its answer.
     answer_time: Option<Duration>,
+    /// When the last exchange was over; `None` if the line failed before.
+    ended: Option<Instant>,
 }
 
 impl Wire {
@@ -86,13 +90,14 @@ impl Wire {
         Ok(Self {
             line,
             settings,
-            clock: Clock::starting(now),
+            clock: Clock::starting(now, Timestamp::now()),
             tap,
             last_activity: now,
             disturbed: false,
             echoes: false,
             missed: None,
             answer_time: None,
+            ended: None,
         })
     }
 
@@ -118,6 +123,11 @@ impl Wire {
         self.clock = clock;
     }
 
+    /// Stamps nothing earlier than `floor` from now on.
+    pub fn not_before(&mut self, floor: Timestamp) {
+        self.clock.not_before(floor, self.line.now());
+    }
+
     /// Whether the port is still there.
     pub fn look(&mut self) -> Result<(), LineLost> {
         self.line.look()
@@ -132,8 +142,13 @@ impl Wire {
     }
 
     /// The time of now in UTC, by the line's clock.
-    pub fn timestamp(&self) -> jiff::Timestamp {
+    pub fn timestamp(&self) -> Timestamp {
         self.clock.stamp(self.line.now())
+    }
+
+    /// When the last byte of the last answer had arrived, or when the wait for it was given up.
+    pub fn ended_at(&self) -> Timestamp {
+        self.clock.stamp(self.ended.unwrap_or_else(|| self.line.now()))
     }
 
     /// Changes speed and format in place. True if they were others before.
@@ -154,6 +169,8 @@ impl Wire {
     /// Sends `request` and returns the verified answer, without echo and noise. `window` runs from the request's last
     /// bit to the answer's first byte.
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
+        self.ended = None;
+        self.clock.follow(self.line.now(), Timestamp::now());
         self.become_quiet(expected)?;
         self.line.purge()?;
         let started = self.line.now();
@@ -167,12 +184,15 @@ impl Wire {
         self.last_activity = sent;
         if matches!(expected, Expected::Nothing { .. }) {
             self.line.wait_until(sent);
+            self.ended = Some(sent);
             return Ok(Vec::new());
         }
         let mut received = Vec::new();
         let outcome = self.listen(request, expected, sent, window, &mut received);
         let verdict = exchange.verdict(outcome.as_deref());
-        let ended = if verdict == tap::Verdict::Silent { self.line.now() } else { self.last_activity };
+        let nothing_came = verdict == tap::Verdict::Silent || received.is_empty();
+        let ended = if nothing_came { self.line.now() } else { self.last_activity };
+        self.ended = Some(ended);
         let took = ended.saturating_duration_since(sent);
         (self.tap)(exchange.answer(self.clock.stamp(ended), received, took, verdict));
         self.remember(&outcome, Missed::of(expected));

@@ -7,7 +7,7 @@ use super::output::{self, Table, ValuesObject};
 use super::session::Module;
 use super::stop::Stop;
 use super::{Outcome, names};
-use crate::bus::ItemSet;
+use crate::bus::{Answer, ItemSet};
 
 /// Options of `get`.
 #[derive(Debug, Clone, Args)]
@@ -44,7 +44,7 @@ pub fn run(args: &GetArgs) -> Outcome {
         output::json(&ValuesObject::new(&values))?;
     } else {
         let mut table = Table::default();
-        for (id, result) in &values {
+        for Answer { id, result, .. } in &values {
             if let Some(item) = module.definition.item(id) {
                 output::value_row(&mut table, item, result.as_ref().ok());
             }
@@ -52,5 +52,5 @@ pub fn run(args: &GetArgs) -> Outcome {
         table.print()?;
     }
     output::report_missing(&values);
-    if values.iter().all(|(_, result)| result.is_ok()) { Ok(()) } else { Err(Stop::Reported) }
+    if values.iter().all(|answer| answer.result.is_ok()) { Ok(()) } else { Err(Stop::Reported) }
 }

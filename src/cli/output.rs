@@ -8,7 +8,7 @@ use super::Outcome;
 use super::stop::Stop;
 pub use crate::bench::objects::{ModuleObject, ValuesObject};
 use crate::bench::summary::aligned;
-use crate::bus::{Target, Values};
+use crate::bus::{Answer, Target, Values};
 use crate::module::{Definition, Identified, Item, Value};
 
 /// Writes a line to standard output, at once.
@@ -73,7 +73,7 @@ pub fn report_missing(values: &Values) {
 /// Each reason for which values are missing, with the ids that it concerns.
 pub fn missing(values: &Values) -> Vec<String> {
     let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
-    for (id, result) in values {
+    for Answer { id, result, .. } in values {
         let Err(failure) = result else { continue };
         let reason = failure.to_string();
         match reasons.iter_mut().find(|(known, _)| *known == reason) {
@@ -81,7 +81,7 @@ pub fn missing(values: &Values) -> Vec<String> {
             None => reasons.push((reason, vec![id])),
         }
     }
-    let all_fail_alike = reasons.len() == 1 && values.iter().all(|(_, result)| result.is_err());
+    let all_fail_alike = reasons.len() == 1 && values.iter().all(|answer| answer.result.is_err());
     let text = |(reason, ids): (String, Vec<&str>)| {
         if all_fail_alike && ids.len() > 1 { reason } else { format!("{}: {reason}", ids.join(", ")) }
     };
@@ -102,6 +102,10 @@ mod tests {
     use super::*;
     use crate::protocol::Failure;
 
+    fn answer(id: &str, result: Result<Value, Failure>) -> Answer {
+        Answer { id: id.to_owned(), at: jiff::Timestamp::UNIX_EPOCH, result }
+    }
+
     #[test]
     fn columns_are_as_wide_as_their_widest_cell_and_lines_end_without_spaces() {
         let mut table = Table::default();
@@ -112,8 +116,8 @@ mod tests {
 
     #[test]
     fn missing_values_are_told_once_for_each_reason() {
-        let silent = |id: &str| (id.to_owned(), Err(Failure::Silent));
-        let good = |id: &str| (id.to_owned(), Ok(Value::Bool(true)));
+        let silent = |id| answer(id, Err(Failure::Silent));
+        let good = |id| answer(id, Ok(Value::Bool(true)));
         assert_eq!(missing(&vec![silent("a"), good("b"), silent("c")]), ["a, c: no answer"]);
         assert_eq!(missing(&vec![silent("a"), silent("c")]), ["no answer"]);
         assert!(missing(&vec![good("b")]).is_empty());
@@ -121,7 +125,7 @@ mod tests {
 
     #[test]
     fn values_keep_their_order_in_json() {
-        let values = vec![("b".to_owned(), Ok(Value::Bool(true))), ("a".to_owned(), Err(Failure::Silent))];
+        let values = vec![answer("b", Ok(Value::Bool(true))), answer("a", Err(Failure::Silent))];
         assert_eq!(serde_json::to_string(&ValuesObject::new(&values)).unwrap(), r#"{"b":true,"a":null}"#);
     }
 }

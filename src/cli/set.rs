@@ -78,7 +78,7 @@ fn change(module: &mut Module, item: &Item, value: &Value, old: &Values) -> Outc
 }
 
 fn report(item: &Item, old: &Values, new: &Value) -> String {
-    let old = old.iter().find(|(id, _)| *id == item.id).and_then(|(_, result)| result.as_ref().ok());
+    let old = old.iter().find(|answer| answer.id == item.id).and_then(|answer| answer.result.as_ref().ok());
     let old = old.map_or_else(|| "–".to_owned(), ToString::to_string);
     let unit = if item.unit.is_empty() { String::new() } else { format!(" {}", item.unit) };
     let when = if item.applies == Applies::Init { "  (takes effect after a power cycle)" } else { "" };

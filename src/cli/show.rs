@@ -8,7 +8,7 @@ use super::line_args::{LineArgs, ModuleArgs};
 use super::output::{self, ModuleObject, Table, ValuesObject};
 use super::session::Module;
 use super::stop::Stop;
-use crate::bus::{ItemSet, Values};
+use crate::bus::{Answer, ItemSet, Values};
 use crate::module::{Item, ItemKind};
 
 /// Options of `show`.
@@ -53,8 +53,8 @@ pub fn run(args: &ShowArgs) -> Outcome {
     }
     output::report_missing(&values);
     let refused = |failure: &crate::protocol::Failure| failure.shows_presence();
-    let told_all = values.iter().all(|(_, result)| result.as_ref().err().is_none_or(refused));
-    let told_any = values.is_empty() || values.iter().any(|(_, result)| result.is_ok());
+    let told_all = values.iter().all(|answer| answer.result.as_ref().err().is_none_or(refused));
+    let told_any = values.is_empty() || values.iter().any(|answer| answer.result.is_ok());
     if told_all && told_any { Ok(()) } else { Err(Stop::Reported) }
 }
 
@@ -76,7 +76,7 @@ fn print_tables(module: &Module, values: &Values) -> Outcome {
 
 fn print_table(title: &str, module: &Module, values: &Values, wanted: fn(&Item) -> bool) -> Outcome {
     let mut table = Table::default();
-    for (id, result) in values {
+    for Answer { id, result, .. } in values {
         if let Some(item) = module.definition.item(id).filter(|item| wanted(item)) {
             output::value_row(&mut table, item, result.as_ref().ok());
         }

@@ -14,7 +14,7 @@ use super::session::Module;
 use super::signals::Interrupt;
 use super::stop::Stop;
 use super::{Outcome, output, parse};
-use crate::bus::{BusCommand, BusEvent, ItemSet, Values};
+use crate::bus::{Answer, BusCommand, BusEvent, ItemSet, Values};
 use crate::module::Definition;
 
 /// How long an interrupt may remain unnoticed.
@@ -61,7 +61,7 @@ pub fn run(args: &WatchArgs) -> Outcome {
         match module.session.event(LOOK_UP_EVERY)? {
             Some(BusEvent::Read { id: of, at, values, .. }) if of == id => {
                 sets = sets.saturating_add(1);
-                good_sets = good_sets.saturating_add(u64::from(values.iter().any(|(_, result)| result.is_ok())));
+                good_sets = good_sets.saturating_add(u64::from(values.iter().any(|answer| answer.result.is_ok())));
                 printer.print(at, &values)?;
             }
             Some(BusEvent::LineLost { reason }) => {
@@ -95,7 +95,7 @@ impl Printer {
         if self.json {
             let time = time.strftime("%Y-%m-%dT%H:%M:%S%.3f%:z").to_string();
             output::json(&SetObject { time, values })?;
-        } else if values.iter().any(|(_, result)| result.is_ok()) {
+        } else if values.iter().any(|answer| answer.result.is_ok()) {
             let columns = self.columns(values);
             output::line(&format!("{}  {columns}", time.strftime("%H:%M:%S%.3f")))?;
         }
@@ -115,7 +115,7 @@ impl Printer {
     fn columns(&mut self, values: &Values) -> String {
         self.widths.resize(values.len().max(self.widths.len()), 0);
         let mut columns = String::new();
-        for ((id, result), width) in values.iter().zip(&mut self.widths) {
+        for (Answer { id, result, .. }, width) in values.iter().zip(&mut self.widths) {
             let value = result.as_ref().map_or_else(|_| "–".to_owned(), ToString::to_string);
             let unit = self.definition.item(id).map(|item| item.unit.as_str()).unwrap_or_default();
             let column = format!("{id}={value} {unit}").trim_end().to_owned();
@@ -137,7 +137,7 @@ impl Serialize for SetObject<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.values.len().saturating_add(1)))?;
         map.serialize_entry("time", &self.time)?;
-        for (id, result) in self.values {
+        for Answer { id, result, .. } in self.values {
             map.serialize_entry(id, &result.as_ref().ok())?;
         }
         map.end()

@@ -51,8 +51,8 @@ pub fn identify(
     };
     let Some(definition) = found.definition.clone() else { return Ok(found) };
     let mut found = found;
-    for (id, value) in read_items(&definition, protocol, address, ["firmware"], ask) {
-        if let (true, Ok(Value::Text(firmware))) = (id == "firmware", value) {
+    for answer in read_items(&definition, protocol, address, ["firmware"], ask) {
+        if let (true, Ok(Value::Text(firmware))) = (answer.id == "firmware", answer.result) {
             found.firmware = firmware;
         }
     }

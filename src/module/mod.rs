@@ -26,16 +26,21 @@ pub use definition::{
 pub use explain::{Danger, ExplainedField, Explanation, danger, explain};
 pub use identify::{Identified, identify};
 pub use notation::{Fields, Template};
-pub use read::{ReadPlan, ReadRun, present_options, read_items};
+pub use read::{Answer, ReadPlan, ReadRun, present_options, read_items};
 pub use switches::{BankState, Position, PositionState, RotaryState, SwitchLayout, SwitchPanel};
 pub use value::{Fixed, Value, ValueError};
 pub use write::{WriteError, check_write, moves_to, run_action, write_item};
+
+use jiff::Timestamp;
 
 use crate::protocol::{Failure, Query, Reply};
 
 /// Someone who can hold a conversation with one module.
 pub trait Ask {
     fn ask(&mut self, query: &Query) -> Result<Reply, Failure>;
+
+    /// When the last byte of the last answer had arrived, or when the wait for it was given up.
+    fn answered_at(&self) -> Timestamp;
 
     /// The module has been given another address: what follows is asked there.
     fn follow(&mut self, address: u8);

@@ -3,6 +3,8 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
+use jiff::Timestamp;
+
 use super::access::{self, numbers_of};
 use super::definition::{Access, Definition, ModbusPlace};
 use super::value::Value;
@@ -16,6 +18,21 @@ const MOST_TOGETHER: u16 = 64;
 const ASK_AGAIN_AFTER: u16 = 60;
 /// Runs in which a question stayed without answer while others were answered, before another way is tried.
 const SILENCES_ALLOWED: u8 = 2;
+
+/// What became of one item that was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Of the item.
+    pub id: String,
+    /// When the answer's last byte had arrived; where none came, when the wait for it was given up. What was not asked,
+    /// because it was refused before or because the module was silent to another question, has the time at which that
+    /// was settled.
+    pub at: Timestamp,
+    pub result: Result<Value, Failure>,
+}
+
+/// A result with its time; `None` for what is not asked in this run.
+type Outcome = (Option<Timestamp>, Result<Value, Failure>);
 
 /// A set of items of one module, and what was learned about how to read them.
 #[derive(Debug, Clone)]
@@ -53,7 +70,7 @@ struct Question {
 /// A plan being carried out, one question at a time.
 #[derive(Debug, Clone)]
 pub struct ReadRun {
-    results: Vec<Option<Result<Value, Failure>>>,
+    results: Vec<Option<Outcome>>,
     questions: VecDeque<Question>,
     /// Entries to be asked in another way when the questions are through.
     again: Vec<usize>,
@@ -62,9 +79,16 @@ pub struct ReadRun {
 }
 
 impl ReadRun {
-    /// Ends the run: what was not read shares this failure.
-    pub fn fail(&mut self, failure: &Failure) {
-        fill_open(&mut self.results, failure);
+    /// Whether anything in this run has shown that the module is there.
+    pub fn is_answered(&self) -> bool {
+        self.answered
+    }
+
+    /// Ends the run: what was not read shares this failure and its time.
+    pub fn fail(&mut self, failure: &Failure, at: Timestamp) {
+        for slot in self.results.iter_mut().filter(|slot| slot.is_none()) {
+            *slot = Some((Some(at), Err(failure.clone())));
+        }
         self.questions.clear();
     }
 }
@@ -82,10 +106,10 @@ impl ReadPlan {
     }
 
     /// Asks everything once and tells of each item its value or why there is none.
-    pub fn run(&mut self, address: u8, ask: &mut dyn Ask) -> Vec<(String, Result<Value, Failure>)> {
+    pub fn run(&mut self, address: u8, ask: &mut dyn Ask) -> Vec<Answer> {
         let mut run = self.begin(address);
         while self.step(&mut run, address, ask) {}
-        self.finish(run)
+        self.finish(run, ask.answered_at())
     }
 
     /// Starts to ask everything once.
@@ -93,7 +117,7 @@ impl ReadPlan {
         for entry in &mut self.entries {
             entry.given_up = entry.given_up.take().and_then(|(why, runs)| Some((why, runs.checked_sub(1)?)));
         }
-        let given_up = |entry: &Entry| entry.given_up.as_ref().map(|(failure, _)| Err(failure.clone()));
+        let given_up = |entry: &Entry| entry.given_up.as_ref().map(|(failure, _)| (None, Err(failure.clone())));
         let results: Vec<_> = self.entries.iter().map(given_up).collect();
         let open: Vec<usize> =
             (0..self.entries.len()).filter(|index| matches!(results.get(*index), Some(None))).collect();
@@ -110,21 +134,22 @@ impl ReadPlan {
     pub fn step(&mut self, run: &mut ReadRun, address: u8, ask: &mut dyn Ask) -> bool {
         let Some(question) = run.questions.pop_front() else { return false };
         let reply = ask.ask(&question.query);
+        let at = ask.answered_at();
         match &reply {
             Err(failure) if !failure.shows_presence() => {
                 run.silent_in_a_row = run.silent_in_a_row.saturating_add(1);
                 let gone = matches!(failure, Failure::LineLost(_)) || !run.answered || run.silent_in_a_row > 1;
                 if gone {
                     self.first = if run.answered { self.first } else { self.first.wrapping_add(1) };
-                    run.fail(failure);
+                    run.fail(failure, at);
                     return false;
                 }
-                self.take_silence(&question, failure, run);
+                self.take_silence(&question, at, failure, run);
             }
             reply => {
                 run.answered = true;
                 run.silent_in_a_row = 0;
-                self.take_answer(address, &question, reply, run);
+                self.take_answer(address, &question, at, reply, run);
             }
         }
         if run.questions.is_empty() {
@@ -134,9 +159,16 @@ impl ReadPlan {
         !run.questions.is_empty()
     }
 
-    /// What the run brought, by item.
-    pub fn finish(&self, run: ReadRun) -> Vec<(String, Result<Value, Failure>)> {
-        self.name(run.results)
+    /// What the run brought, by item; it ended `at`.
+    pub fn finish(&self, run: ReadRun, at: Timestamp) -> Vec<Answer> {
+        self.name(run.results, at)
+    }
+
+    /// Takes over the items of `other` that it has not; what was learned about its own stays known.
+    pub fn complete(&mut self, other: Self) {
+        let known: BTreeSet<usize> = self.entries.iter().map(|entry| entry.item).collect();
+        self.entries.extend(other.entries.into_iter().filter(|entry| !known.contains(&entry.item)));
+        self.entries.sort_by_key(|entry| entry.item);
     }
 
     /// Whether a run would ask nothing, because everything was refused.
@@ -145,12 +177,12 @@ impl ReadPlan {
     }
 
     /// What a run tells when there is no line to ask on.
-    pub fn all_failed(&self, failure: &Failure) -> Vec<(String, Result<Value, Failure>)> {
-        self.name(self.entries.iter().map(|_| Some(Err(failure.clone()))).collect())
+    pub fn all_failed(&self, failure: &Failure, at: Timestamp) -> Vec<Answer> {
+        self.name(self.entries.iter().map(|_| Some((Some(at), Err(failure.clone())))).collect(), at)
     }
 
     /// The module answers, but not this: perhaps it does not know the command, perhaps the answer was lost.
-    fn take_silence(&mut self, question: &Question, failure: &Failure, run: &mut ReadRun) {
+    fn take_silence(&mut self, question: &Question, at: Timestamp, failure: &Failure, run: &mut ReadRun) {
         for &index in &question.entries {
             let silences = self.entries.get_mut(index).map_or(0, |entry| {
                 entry.silences = entry.silences.saturating_add(1);
@@ -160,12 +192,19 @@ impl ReadPlan {
                 run.again.push(index);
             } else {
                 self.give_up(index, failure);
-                set(&mut run.results, index, Err(failure.clone()));
+                set(&mut run.results, index, at, Err(failure.clone()));
             }
         }
     }
 
-    fn take_answer(&mut self, address: u8, question: &Question, reply: &Result<Reply, Failure>, run: &mut ReadRun) {
+    fn take_answer(
+        &mut self,
+        address: u8,
+        question: &Question,
+        at: Timestamp,
+        reply: &Result<Reply, Failure>,
+        run: &mut ReadRun,
+    ) {
         let joined = question.entries.len() > 1 && reply.is_err();
         for &index in &question.entries {
             let outcome = match reply {
@@ -179,9 +218,9 @@ impl ReadPlan {
                 Err(_) if self.has_another_way(index, joined) => run.again.push(index),
                 Err(failure) => {
                     self.give_up(index, &failure);
-                    set(&mut run.results, index, Err(failure));
+                    set(&mut run.results, index, at, Err(failure));
                 }
-                value => set(&mut run.results, index, value),
+                value => set(&mut run.results, index, at, value),
             }
         }
     }
@@ -259,22 +298,20 @@ impl ReadPlan {
         questions
     }
 
-    fn name(&self, results: Vec<Option<Result<Value, Failure>>>) -> Vec<(String, Result<Value, Failure>)> {
+    fn name(&self, results: Vec<Option<Outcome>>, end: Timestamp) -> Vec<Answer> {
         let ids = self.entries.iter().map(|entry| self.definition.items.get(entry.item).map(|item| item.id.clone()));
-        let unread = || Err(Failure::NotOffered("the definition has no way to read it".to_owned()));
-        ids.zip(results).filter_map(|(id, result)| Some((id?, result.unwrap_or_else(unread)))).collect()
+        let unread = || (None, Err(Failure::NotOffered("the definition has no way to read it".to_owned())));
+        let named = |(id, outcome): (Option<String>, Option<Outcome>)| {
+            let (at, result) = outcome.unwrap_or_else(unread);
+            Some(Answer { id: id?, at: at.unwrap_or(end), result })
+        };
+        ids.zip(results).filter_map(named).collect()
     }
 }
 
-fn set(results: &mut [Option<Result<Value, Failure>>], index: usize, result: Result<Value, Failure>) {
+fn set(results: &mut [Option<Outcome>], index: usize, at: Timestamp, result: Result<Value, Failure>) {
     if let Some(slot) = results.get_mut(index) {
-        *slot = Some(result);
-    }
-}
-
-fn fill_open(results: &mut [Option<Result<Value, Failure>>], failure: &Failure) {
-    for slot in results.iter_mut().filter(|slot| slot.is_none()) {
-        *slot = Some(Err(failure.clone()));
+        *slot = Some((Some(at), result));
     }
 }
 
@@ -327,7 +364,7 @@ pub fn read_items<'a>(
     address: u8,
     ids: impl IntoIterator<Item = &'a str>,
     ask: &mut dyn Ask,
-) -> Vec<(String, Result<Value, Failure>)> {
+) -> Vec<Answer> {
     ReadPlan::new(definition, protocol, ids).run(address, ask)
 }
 

@@ -209,7 +209,7 @@ fn read_back(
     ask: &mut dyn Ask,
 ) -> Result<Value, Failure> {
     let mut results = read_items(definition, protocol, address, [item.id.as_str()], ask);
-    results.pop().map_or(Err(Failure::Silent), |(_, result)| result)
+    results.pop().map_or(Err(Failure::Silent), |answer| answer.result)
 }
 
 fn command_write(

@@ -68,7 +68,9 @@ impl Line {
         let items = ItemSet::Named(vec![name.into()]);
         self.bus.send(BusCommand::Read { id, target, definition: definition.clone(), items }).expect("room");
         self.until(|event| match event {
-            BusEvent::Read { id: answered, values, .. } if *answered == id => values.first().map(|(_, v)| v.clone()),
+            BusEvent::Read { id: answered, values, .. } if *answered == id => {
+                values.first().map(|answer| answer.result.clone())
+            }
             _ => None,
         })
     }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use dcon_bench::bench::{Action, Bench};
 use dcon_bench::bus::dialogue::Dialogue;
-use dcon_bench::bus::{Bus, BusCommand, BusEvent, ItemSet, LineAddress, Patience, Target, Values};
+use dcon_bench::bus::{Answer, Bus, BusCommand, BusEvent, ItemSet, LineAddress, Patience, Target, Values};
 use dcon_bench::module::{Catalogue, Definition, Identified, identify, present_options, read_items};
 use dcon_bench::protocol::LineSettings;
 use dcon_bench::sim::{ModuleSpec, Pace, Sim};
@@ -88,8 +88,8 @@ impl Stage {
             self.sim.advance(Duration::from_secs(1));
             let parts = self.parts(target, &definition);
             let ids = definition.live_ids(target.protocol, &parts).into_iter().map(str::to_owned).collect();
-            let values = self.values(target, &definition, ids);
             let at = now() - Duration::from_secs(u64::from(seconds - second));
+            let values = self.values(target, &definition, ids, at);
             let id = self.id();
             bench.take(BusEvent::Read { id, target, at, values });
         }
@@ -100,9 +100,12 @@ impl Stage {
         present_options(definition, target.protocol, &mut speaker).unwrap()
     }
 
-    fn values(&mut self, target: Target, definition: &Arc<Definition>, ids: Vec<String>) -> Values {
+    /// What the module says, all of it at the made-up time.
+    fn values(&mut self, target: Target, definition: &Arc<Definition>, ids: Vec<String>, at: Timestamp) -> Values {
         let mut speaker = self.dialogue.with(target, Patience::CONVERSATION);
-        read_items(definition, target.protocol, target.address, ids.iter().map(String::as_str), &mut speaker)
+        let ids = ids.iter().map(String::as_str);
+        let values = read_items(definition, target.protocol, target.address, ids, &mut speaker);
+        values.into_iter().map(|answer| Answer { at, ..answer }).collect()
     }
 
     /// Does what the bench has asked for. True if there was anything.
@@ -135,7 +138,7 @@ impl Stage {
                 Some(BusEvent::Parts { target: *target, present: self.parts(*target, definition) })
             }
             BusCommand::Read { id, target, definition, items: ItemSet::Named(ids) } => {
-                let values = self.values(*target, definition, ids.clone());
+                let values = self.values(*target, definition, ids.clone(), at);
                 Some(BusEvent::Read { id: *id, target: *target, at, values })
             }
             _ => None,

@@ -5,7 +5,7 @@ use jiff::Timestamp;
 
 use super::super::{Action, EntryKind, ItemState};
 use super::*;
-use crate::bus::{Bus, BusEvent};
+use crate::bus::{Answer, Bus, BusEvent};
 use crate::module::Catalogue;
 use crate::protocol::{BaudRate, LineSettings, Protocol};
 
@@ -178,7 +178,7 @@ fn another_model_at_the_place_is_not_written_to() {
 fn a_module_that_is_in_init_mode_already_is_looked_for_at_once() {
     let mut play = Play::with(Protocol::Dcon, &[("checksum", "on")]);
     let target = at(1, Protocol::Dcon);
-    let values = vec![("init_mode".to_owned(), Ok(Value::Bool(true)))];
+    let values = vec![Answer { id: "init_mode".to_owned(), at: AT, result: Ok(Value::Bool(true)) }];
     play.bench.take(BusEvent::Read { id: RequestId(1_001), target, at: AT, values });
     play.bench.apply(Action::BeginInit(target));
     assert_eq!(play.step(), Some(InitStep::FindInInit));
