@@ -65,8 +65,8 @@ impl Dialogue {
         Ok(Self { link: Link::Wire(Box::new(wire)), runtime, counts: Statistics::default() })
     }
 
-    /// What is to be remembered when the line is opened anew: its counts, whether it echoes, and its clock, so that
-    /// times do not go back if the system's clock was set meanwhile.
+    /// What is to be remembered when the line is opened anew: its counts, whether it echoes, and its clock, which goes on
+    /// even if the system's clock was set meanwhile.
     pub fn into_memory(self) -> Memory {
         let (clock, echoes) = match &self.link {
             Link::Wire(wire) => (Some(wire.clock()), wire.echoes()),
@@ -82,6 +82,14 @@ impl Dialogue {
             if let Some(clock) = memory.clock {
                 wire.keep_clock(clock);
             }
+        }
+    }
+
+    /// Stamps nothing earlier than `floor` from now on, whatever the system's clock shows.
+    pub fn not_before(&mut self, floor: Timestamp) {
+        match &mut self.link {
+            Link::Wire(wire) => wire.not_before(floor),
+            Link::Tcp(link) => link.not_before(floor),
         }
     }
 
@@ -242,7 +250,7 @@ pub struct Speaker<'a> {
 }
 
 impl Speaker<'_> {
-    /// Leaves failures out of the error statistics, and asks but once after a change of speed: a scan expects silence.
+    /// Leaves failures out of the error statistics: a scan expects silence.
     pub fn uncounted(mut self) -> Self {
         self.counted = false;
         self
@@ -253,10 +261,9 @@ impl Speaker<'_> {
             return false;
         }
         match failure {
-            // The first exchange after a change of speed is sometimes lost.
             Failure::Silent => {
-                let once_more = self.changed_settings && self.counted;
-                silences < self.patience.after_silence.saturating_add(u8::from(once_more))
+                let more = if self.changed_settings { self.patience.after_change } else { 0 };
+                silences < self.patience.after_silence.saturating_add(more)
             }
             failure if failure.is_garbage() => garbage < self.patience.after_garbage,
             _ => false,

@@ -70,7 +70,9 @@ pub enum BusCommand {
     StopRepeating { target: Target, action: String },
     /// Sends bytes as they are, once. → [`BusEvent::RawAnswer`]
     Raw { id: RequestId, request: RawRequest, settings: LineSettings },
-    /// Reads items again and again; an interval of zero means as fast as the line allows. → [`BusEvent::Read`] each time
+    /// Reads items again and again; an interval of zero means as fast as the line allows. Polls that were missed are not
+    /// caught up. A module that stays silent is asked ever more rarely, but once in 10 s at least, or at its interval if
+    /// that is longer. → [`BusEvent::Read`] each time
     Watch { id: RequestId, target: Target, definition: Arc<Definition>, items: ItemSet, interval: Duration },
     /// Ends a watch. No event follows but those under way.
     Unwatch { target: Target },
@@ -111,7 +113,7 @@ pub enum BusEvent {
         id: RequestId,
         summary: ScanSummary,
     },
-    /// Which optional parts a module has, asked before its items are read for the first time.
+    /// Which optional parts a module has, asked once: before all its items are read, or when it has answered a poll.
     Parts {
         target: Target,
         present: Vec<String>,

@@ -2,8 +2,8 @@
 //! receives [`BusEvent`]s.
 //!
 //! From the wire upwards: [`line`] (bytes and a clock), `judge` (what came back), [`transaction`] (one exchange),
-//! `codec` and `tcp` (Modbus), [`dialogue`] (questions to a module), [`scan`], and `worker`, which decides what is
-//! asked next.
+//! `codec` and `tcp` (Modbus), [`dialogue`] (questions to a module), [`scan`], `schedule` (whose turn it is
+//! to be polled), and `worker`, which decides what is asked next.
 
 mod client;
 mod codec;
@@ -14,6 +14,7 @@ mod message;
 mod problem;
 mod repeat;
 pub mod scan;
+mod schedule;
 mod serial;
 mod tap;
 mod target;

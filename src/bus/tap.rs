@@ -99,6 +99,10 @@ impl Exchange {
     }
 }
 
+/// The system's clock can be ahead of the line's by so much before the line's is put forward: more than the two drift
+/// apart in days. The line's clock stands still while the computer sleeps.
+const MOST_BEHIND: SignedDuration = SignedDuration::from_secs(2);
+
 /// Turns the line's clock into UTC without ever going back, even if the system's clock is set while it runs.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
@@ -107,9 +111,24 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// The line's clock shows `line` now.
-    pub fn starting(line: Instant) -> Self {
-        Self { wall: Timestamp::now(), line }
+    /// The line's clock shows `line` while the system's shows `wall`.
+    pub fn starting(line: Instant, wall: Timestamp) -> Self {
+        Self { wall, line }
+    }
+
+    /// Stamps nothing earlier than `floor` from now on, `line` being the line's time now.
+    pub fn not_before(&mut self, floor: Timestamp, line: Instant) {
+        if self.stamp(line) < floor {
+            *self = Self { wall: floor, line };
+        }
+    }
+
+    /// Moves forward to the system's clock if that is far ahead, because the computer slept or its clock was set. It
+    /// never moves back: after a system's clock was put back, and on a simulated line that runs ahead, it goes on.
+    pub fn follow(&mut self, line: Instant, wall: Timestamp) {
+        if wall.duration_since(self.stamp(line)) > MOST_BEHIND {
+            *self = Self { wall, line };
+        }
     }
 
     pub fn stamp(&self, instant: Instant) -> Timestamp {
@@ -121,3 +140,63 @@ impl Clock {
 
 /// Where frames go.
 pub type Tap = Box<dyn FnMut(Frame) + Send>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WALL: Timestamp = Timestamp::constant(1_772_443_800, 0);
+
+    fn clock() -> (Clock, Instant) {
+        let line = Instant::now();
+        (Clock::starting(line, WALL), line)
+    }
+
+    fn seconds(seconds: i64) -> SignedDuration {
+        SignedDuration::from_secs(seconds)
+    }
+
+    #[test]
+    fn a_clock_that_was_put_back_does_not_take_the_line_along() {
+        let (mut clock, line) = clock();
+        let later = line + Duration::from_secs(10);
+        clock.follow(later, WALL - seconds(3_600));
+        assert_eq!(clock.stamp(later), WALL + seconds(10));
+    }
+
+    #[test]
+    fn after_a_sleep_the_line_shows_the_time_of_day() {
+        let (mut clock, line) = clock();
+        let awake = line + Duration::from_secs(10);
+        clock.follow(awake, WALL + seconds(7_200));
+        assert_eq!(clock.stamp(awake), WALL + seconds(7_200));
+        assert_eq!(clock.stamp(awake + Duration::from_secs(1)), WALL + seconds(7_201));
+        assert_eq!(clock.stamp(line), WALL + seconds(7_200), "what is stamped afterwards is never earlier");
+    }
+
+    #[test]
+    fn small_differences_between_the_clocks_move_nothing() {
+        let (mut clock, line) = clock();
+        let later = line + Duration::from_secs(10);
+        clock.follow(later, WALL + seconds(12));
+        assert_eq!(clock.stamp(later), WALL + seconds(10));
+    }
+
+    #[test]
+    fn a_simulated_line_that_runs_ahead_is_left_alone() {
+        let (mut clock, line) = clock();
+        let ahead = line + Duration::from_secs(86_400);
+        clock.follow(ahead, WALL + seconds(1));
+        assert_eq!(clock.stamp(ahead), WALL + seconds(86_400));
+    }
+
+    #[test]
+    fn a_line_opened_later_begins_no_earlier_than_the_one_before_ended() {
+        let (mut clock, line) = clock();
+        clock.not_before(WALL + seconds(3_600), line);
+        assert_eq!(clock.stamp(line), WALL + seconds(3_600));
+        assert_eq!(clock.stamp(line + Duration::from_secs(5)), WALL + seconds(3_605));
+        clock.not_before(WALL, line);
+        assert_eq!(clock.stamp(line), WALL + seconds(3_600));
+    }
+}

@@ -87,21 +87,28 @@ pub struct Patience {
     pub after_silence: u8,
     /// How often a read is repeated after an answer that could not be used.
     pub after_garbage: u8,
+    /// How often a read is repeated after silence if speed or format were changed for it: the first exchange after a
+    /// change is sometimes lost.
+    pub after_change: u8,
 }
 
 impl Patience {
     /// For a module that is known to be there. The vendor's utility waits 200 ms too (PIR-234 manual 4.3).
-    pub const CONVERSATION: Self = Self { window: Duration::from_millis(200), after_silence: 1, after_garbage: 2 };
+    pub const CONVERSATION: Self =
+        Self { window: Duration::from_millis(200), after_silence: 1, after_garbage: 2, after_change: 1 };
 
     /// For polls: the next poll asks again anyway.
     pub const POLL: Self = Self { after_silence: 0, ..Self::CONVERSATION };
+
+    /// For polls of a module that was silent before, which must not delay the others for longer than one window.
+    pub const PROBE: Self = Self { after_garbage: 0, after_change: 0, ..Self::POLL };
 
     /// A module may store what is written before it answers. Writes are never repeated.
     pub const WRITE_WINDOW: Duration = Duration::from_millis(500);
 
     /// For an address of which nothing is known.
     pub fn scan(window: Duration) -> Self {
-        Self { window, after_silence: 0, after_garbage: 1 }
+        Self { window, after_silence: 0, after_garbage: 1, after_change: 0 }
     }
 }
 

@@ -60,7 +60,7 @@ impl TimedTap {
     fn new(tap: Tap) -> Self {
         let now = Instant::now();
         Self {
-            clock: Clock::starting(now),
+            clock: Clock::starting(now, Timestamp::now()),
             tap,
             unit: 0,
             sent: None,
@@ -80,6 +80,7 @@ impl TimedTap {
     }
 
     fn begin(&mut self, unit: u8) {
+        self.clock.follow(Instant::now(), Timestamp::now());
         self.unit = unit;
         self.sent = None;
         self.ended = None;
@@ -127,6 +128,11 @@ impl TcpLink {
 
     pub fn timestamp(&self) -> Timestamp {
         self.tap().clock.stamp(Instant::now())
+    }
+
+    /// Stamps nothing earlier than `floor` from now on.
+    pub fn not_before(&mut self, floor: Timestamp) {
+        self.tap().clock.not_before(floor, Instant::now());
     }
 
     /// When the last byte of the last answer had arrived, or when the wait for it was given up.

@@ -6,6 +6,8 @@
 
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
+
 use super::judge::{self, Expected, Verdict};
 use super::line::{Line, LineLost};
 use super::tap::{self, Clock, Exchange, Tap};
@@ -88,7 +90,7 @@ impl Wire {
         Ok(Self {
             line,
             settings,
-            clock: Clock::starting(now),
+            clock: Clock::starting(now, Timestamp::now()),
             tap,
             last_activity: now,
             disturbed: false,
@@ -121,6 +123,11 @@ impl Wire {
         self.clock = clock;
     }
 
+    /// Stamps nothing earlier than `floor` from now on.
+    pub fn not_before(&mut self, floor: Timestamp) {
+        self.clock.not_before(floor, self.line.now());
+    }
+
     /// Whether the port is still there.
     pub fn look(&mut self) -> Result<(), LineLost> {
         self.line.look()
@@ -135,12 +142,12 @@ impl Wire {
     }
 
     /// The time of now in UTC, by the line's clock.
-    pub fn timestamp(&self) -> jiff::Timestamp {
+    pub fn timestamp(&self) -> Timestamp {
         self.clock.stamp(self.line.now())
     }
 
     /// When the last byte of the last answer had arrived, or when the wait for it was given up.
-    pub fn ended_at(&self) -> jiff::Timestamp {
+    pub fn ended_at(&self) -> Timestamp {
         self.clock.stamp(self.ended.unwrap_or_else(|| self.line.now()))
     }
 
@@ -163,6 +170,7 @@ impl Wire {
     /// bit to the answer's first byte.
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
         self.ended = None;
+        self.clock.follow(self.line.now(), Timestamp::now());
         self.become_quiet(expected)?;
         self.line.purge()?;
         let started = self.line.now();

@@ -79,6 +79,11 @@ pub struct ReadRun {
 }
 
 impl ReadRun {
+    /// Whether anything in this run has shown that the module is there.
+    pub fn is_answered(&self) -> bool {
+        self.answered
+    }
+
     /// Ends the run: what was not read shares this failure and its time.
     pub fn fail(&mut self, failure: &Failure, at: Timestamp) {
         for slot in self.results.iter_mut().filter(|slot| slot.is_none()) {
@@ -163,6 +168,13 @@ impl ReadPlan {
     /// What the run brought, by item; it ended `at`.
     pub fn finish(&self, run: ReadRun, at: Timestamp) -> Vec<Answer> {
         self.name(run.results, at)
+    }
+
+    /// Takes over the items of `other` that it has not; what was learned about its own stays known.
+    pub fn complete(&mut self, other: Self) {
+        let known: BTreeSet<usize> = self.entries.iter().map(|entry| entry.item).collect();
+        self.entries.extend(other.entries.into_iter().filter(|entry| !known.contains(&entry.item)));
+        self.entries.sort_by_key(|entry| entry.item);
     }
 
     /// Whether a run would ask nothing, because everything was refused.

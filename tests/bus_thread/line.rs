@@ -38,6 +38,27 @@ fn a_1200_bps_exchange_does_not_time_out() {
 }
 
 #[test]
+fn a_line_opened_later_tells_no_earlier_times_than_the_one_before() {
+    let line = Line::open(&["pir-234@1"]);
+    let read = || {
+        let (id, definition, items) = (line.bus.next_id(), line.definition("pir-234"), ItemSet::Live);
+        line.bus.send(BusCommand::Read { id, target: target("pir-234@1"), definition, items }).expect("room");
+        line.until(|event| match event {
+            BusEvent::Read { values, .. } => Some((values[0].result.is_ok(), values[0].at)),
+            _ => None,
+        })
+    };
+    // To the next line, whose clock shows the time of day, this is as if the system's clock had been put back.
+    line.sim.advance(Duration::from_secs(3_600));
+    let (_, before) = read();
+    let sim = Sim::new(&["pir-234@1".parse().expect("a specification")], Pace::Skip);
+    let (id, next) = (line.bus.next_id(), LineAddress::Simulated { label: "next".into(), sim });
+    line.bus.send(BusCommand::Open { id, line: next, settings: LineSettings::default() }).expect("room");
+    let (answered, after) = read();
+    assert!(answered && after > before, "{before} {after}");
+}
+
+#[test]
 fn a_port_that_is_not_there_is_told_with_what_to_do() {
     let bus = Bus::start(Arc::new(Catalogue::built_in().0), || {}).expect("a thread");
     let id = bus.next_id();

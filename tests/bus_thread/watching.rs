@@ -1,9 +1,63 @@
 //! Polls, and what becomes of them when the adapter is pulled.
 
-use dcon_bench::bus::{BusCommand, BusEvent, ItemSet};
+use dcon_bench::bus::{BusCommand, BusEvent, Direction, ItemSet, Target};
+use jiff::{SignedDuration, Timestamp};
 use std::time::Duration;
 
 use crate::harness::*;
+
+/// Questions of one poll of a PIR-234 over Modbus RTU: outputs, PIR sensors, three single coils, readings.
+const RTU_QUESTIONS: u64 = 6;
+/// Asked once of each PIR-234 over Modbus: whether it has Wi-Fi.
+const PARTS: u64 = 1;
+
+/// What a poll came to.
+struct Polled {
+    address: u8,
+    at: Timestamp,
+    answered: bool,
+}
+
+fn watch(line: &Line, target: Target, interval: Duration) {
+    let (id, definition) = (line.bus.next_id(), line.definition("pir-234"));
+    line.bus.send(BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval }).expect("room");
+}
+
+fn poll(event: &BusEvent) -> Option<Polled> {
+    let BusEvent::Read { target, at, values, .. } = event else { return None };
+    let answered = values.iter().any(|answer| answer.result.is_ok());
+    Some(Polled { address: target.address, at: *at, answered })
+}
+
+/// The polls until `enough`.
+fn polls(line: &Line, polls: &mut Vec<Polled>, enough: impl Fn(&[Polled]) -> bool) {
+    line.until(|event| {
+        polls.push(poll(event)?);
+        enough(polls).then_some(())
+    });
+}
+
+/// Lets all be, and takes in the polls that were under way. Requests on the line in all, without that of this.
+fn unwatch(line: &Line, targets: &[Target], seen: &mut Vec<Polled>) -> u64 {
+    for &target in targets {
+        line.bus.send(BusCommand::Unwatch { target }).expect("room");
+    }
+    let (fence, definition) = (line.bus.next_id(), line.definition("pir-234"));
+    let items = ItemSet::Named(vec!["humidity".to_owned()]);
+    line.bus.send(BusCommand::Read { id: fence, target: targets[0], definition, items }).expect("room");
+    line.until(|event| match event {
+        BusEvent::Read { id, .. } if *id == fence => Some(()),
+        event => {
+            seen.extend(poll(event));
+            None
+        }
+    });
+    line.sim.requests() - 1
+}
+
+fn count(polls: &[Polled], wanted: impl Fn(&Polled) -> bool) -> u64 {
+    polls.iter().filter(|poll| wanted(poll)).count() as u64
+}
 
 #[test]
 fn a_watched_module_is_read_again_and_again_until_it_is_let_go() {
@@ -67,10 +121,7 @@ fn an_unused_line_shows_no_transactions_a_second() {
 #[test]
 fn a_pulled_adapter_is_told_and_polling_goes_on_when_it_returns() {
     let line = Line::open(&["pir-234@1"]);
-    let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
-    let id = line.bus.next_id();
-    let interval = Duration::from_millis(5);
-    line.bus.send(BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval }).expect("room");
+    watch(&line, target("pir-234@1"), Duration::from_millis(5));
     line.until(|event| matches!(event, BusEvent::Read { .. }).then_some(()));
     line.sim.unplug();
     line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
@@ -80,4 +131,135 @@ fn a_pulled_adapter_is_told_and_polling_goes_on_when_it_returns() {
         BusEvent::Read { values, .. } => values.iter().all(|answer| answer.result.is_ok()).then_some(()),
         _ => None,
     });
+}
+
+#[test]
+fn on_a_line_that_returns_a_module_is_polled_at_once_whatever_its_interval() {
+    let line = Line::open(&["pir-234@1"]);
+    watch(&line, target("pir-234@1"), Duration::from_secs(3_600));
+    line.until(|event| matches!(event, BusEvent::Read { .. }).then_some(()));
+    line.sim.unplug();
+    line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
+    line.sim.plug();
+    line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+    let mut seen = Vec::new();
+    polls(&line, &mut seen, |seen| seen.iter().any(|poll| poll.answered));
+}
+
+#[test]
+fn each_value_has_the_time_at_which_its_own_answer_had_arrived() {
+    let line = Line::open(&["pir-234@1"]);
+    let (id, definition) = (line.bus.next_id(), line.definition("pir-234"));
+    let read = BusCommand::Read { id, target: target("pir-234@1"), definition, items: ItemSet::Live };
+    line.bus.send(read).expect("room");
+    let mut arrived = Vec::new();
+    let (end, values) = line.until(|event| match event {
+        BusEvent::Traffic(frame) if frame.direction == Direction::Received => {
+            arrived.push(frame.at);
+            None
+        }
+        BusEvent::Read { at, values, .. } => Some((*at, values.clone())),
+        _ => None,
+    });
+    assert!(values.iter().all(|answer| arrived.contains(&answer.at) && answer.at <= end));
+    let at = |id: &str| values.iter().find(|answer| answer.id == id).expect("a value").at;
+    assert_eq!(at("pir1"), at("pir4"), "one answer");
+    assert_ne!(at("pir1"), at("temperature_c"), "two answers");
+}
+
+#[test]
+fn a_dead_module_is_probed_ever_more_rarely_with_one_question_and_is_back_when_it_answers() {
+    let line = Line::open(&["pir-234@1", "pir-234@2", "pir-234@3", "pir-234@4"]);
+    let targets = ["pir-234@1", "pir-234@2", "pir-234@3", "pir-234@4"].map(target);
+    line.sim.set_dead(3, true);
+    targets.iter().for_each(|target| watch(&line, *target, Duration::ZERO));
+    let mut seen = Vec::new();
+    let is_probe = |poll: &Polled| poll.address == 3;
+    polls(&line, &mut seen, |seen| count(seen, is_probe) >= 6);
+
+    let probes: Vec<usize> = (0..seen.len()).filter(|&index| is_probe(&seen[index])).collect();
+    for (silences, pair) in (1..).zip(probes.windows(2)) {
+        // One window of 200 ms and more, doubled after each probe.
+        let least = SignedDuration::from_millis(200) * (1 << silences);
+        let rest = seen[pair[1]].at.duration_since(seen[pair[0]].at);
+        assert!(rest >= least, "{rest} after {silences}");
+        let between = &seen[pair[0] + 1..pair[1]];
+        assert!([1, 2, 4].iter().all(|address| between.iter().any(|poll| poll.address == *address)));
+        assert!(between.iter().all(|poll| poll.answered));
+    }
+
+    line.sim.set_dead(3, false);
+    polls(&line, &mut seen, |seen| seen.last().is_some_and(|poll| poll.address == 3 && poll.answered));
+    let back = seen.len();
+    polls(&line, &mut seen, |seen| seen.len() == back + 40);
+    assert_eq!(count(&seen[back..], is_probe), 10, "it takes its turn again");
+
+    let requests = unwatch(&line, &targets, &mut seen);
+    let answered = count(&seen, |poll| poll.answered);
+    let silent = count(&seen, |poll| !poll.answered);
+    assert_eq!(requests, answered * RTU_QUESTIONS + silent + 4 * PARTS, "one question for each probe");
+}
+
+#[test]
+fn a_dead_module_of_another_speed_costs_one_question_a_probe_too() {
+    let line = Line::open(&["pir-234@1", "pir-234@3:modbus_rtu:19200"]);
+    let targets = ["pir-234@1", "pir-234@3:modbus_rtu:19200"].map(target);
+    line.sim.set_dead(3, true);
+    targets.iter().for_each(|target| watch(&line, *target, Duration::ZERO));
+    let mut seen = Vec::new();
+    polls(&line, &mut seen, |seen| count(seen, |poll| !poll.answered) >= 4);
+    let requests = unwatch(&line, &targets, &mut seen);
+    let answered = count(&seen, |poll| poll.answered);
+    let silent = count(&seen, |poll| !poll.answered);
+    // The first time it is asked twice: it was not known to be silent, and the change of speed may have been at fault.
+    assert_eq!(requests, answered * RTU_QUESTIONS + silent + 1 + PARTS);
+}
+
+/// What is sent for one poll of the live items of a PIR-234.
+fn questions(spec: &str) -> Vec<Vec<u8>> {
+    let line = Line::open(&[spec]);
+    let target = target(spec);
+    watch(&line, target, Duration::from_secs(3_600));
+    // After this one it is known which parts it has.
+    line.until(|event| matches!(event, BusEvent::Parts { .. }).then_some(()));
+    line.bus.send(BusCommand::Unwatch { target }).expect("room");
+    let (id, definition) = (line.bus.next_id(), line.definition("pir-234"));
+    line.bus.send(BusCommand::Read { id, target, definition, items: ItemSet::Live }).expect("room");
+    let mut sent = Vec::new();
+    line.until(|event| match event {
+        BusEvent::Traffic(frame) if frame.direction == Direction::Sent => {
+            sent.push(frame.bytes.clone());
+            None
+        }
+        BusEvent::Read { id: of, values, .. } if *of == id => {
+            assert!(values.iter().all(|answer| answer.result.is_ok()), "{values:?}");
+            Some(())
+        }
+        BusEvent::Read { .. } => {
+            sent.clear();
+            None
+        }
+        _ => None,
+    });
+    sent
+}
+
+#[test]
+fn neighbouring_registers_and_coils_are_one_question_each() {
+    let sent = questions("pir-234@1:modbus_rtu");
+    // Function, first, count: DO0 and DO1; PIR and its sensors; watchdog, buzzer, alarm; five readings.
+    let asked: Vec<(u8, u16, u16)> = sent
+        .iter()
+        .map(|frame| (frame[1], u16::from_be_bytes([frame[2], frame[3]]), u16::from_be_bytes([frame[4], frame[5]])))
+        .collect();
+    assert_eq!(asked, [(1, 0, 2), (1, 32, 5), (1, 269, 1), (1, 273, 1), (1, 304, 1), (3, 0, 5)]);
+    assert_eq!(asked.len() as u64, RTU_QUESTIONS);
+}
+
+#[test]
+fn over_dcon_one_command_brings_the_channels_that_it_has_and_each_other_channel_takes_one() {
+    let sent = questions("pir-234@1:dcon");
+    let asked: Vec<_> = sent.iter().map(|frame| String::from_utf8_lossy(frame)).collect();
+    // As in its manual's example, #AA brings three channels; the dew points are asked for by themselves.
+    assert_eq!(asked, ["@01DI\r", "@01RAO\r", "~010\r", "#01\r", "#013\r", "#014\r"]);
 }

@@ -4,6 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
+
 use super::super::dialogue::{Dialogue, Memory};
 use super::super::message::{BusEvent, RequestId, Statistics};
 use super::super::tap::Tap;
@@ -69,7 +71,8 @@ impl Worker {
         let line = address.to_string();
         let frames_missed = Arc::<AtomicU64>::default();
         match Dialogue::open(&address, settings, self.tap(&frames_missed)) {
-            Ok(dialogue) => {
+            Ok(mut dialogue) => {
+                dialogue.not_before(self.latest);
                 let now = Instant::now();
                 let told = Told { at: now, transactions: 0, rate: 0.0 };
                 let (dialogue, look_at) = (Some(dialogue), now + LOOK_EVERY);
@@ -86,6 +89,7 @@ impl Worker {
     }
 
     fn forget_line(&mut self) {
+        self.timestamp();
         self.end_scan(true);
         self.reading = None;
         self.line = None;
@@ -111,13 +115,22 @@ impl Worker {
         line.dialogue.as_mut().ok_or_else(|| Failure::LineLost(format!("{name} is not there")))
     }
 
-    pub(super) fn timestamp(&mut self) -> jiff::Timestamp {
-        self.dialogue().map(|dialogue| dialogue.timestamp()).unwrap_or_else(|_| jiff::Timestamp::now())
+    /// The time of now in UTC, which is never earlier than one that was told before, be it on another line.
+    pub(super) fn timestamp(&mut self) -> Timestamp {
+        let now = self.dialogue().map(|dialogue| dialogue.timestamp()).unwrap_or_else(|_| Timestamp::now());
+        self.latest = self.latest.max(now);
+        self.latest
+    }
+
+    /// The line's time of now; a line that is not there has the system's.
+    pub(super) fn line_time(&mut self) -> Instant {
+        self.dialogue().map(|dialogue| dialogue.now()).unwrap_or_else(|_| Instant::now())
     }
 
     /// Gives the port up if the failure says that it is gone, and plans to take it up again.
     pub(super) fn note_loss(&mut self, failure: Option<Failure>) {
         let Some(Failure::LineLost(reason)) = failure else { return };
+        self.timestamp();
         let Some(line) = self.line.as_mut() else { return };
         let Some(dialogue) = line.dialogue.take() else { return };
         line.memory = Some(dialogue.into_memory());
@@ -142,12 +155,15 @@ impl Worker {
             return;
         }
         let tap = self.tap(&line.frames_missed);
+        let floor = self.latest;
         let Some(line) = self.line.as_mut() else { return };
         match Dialogue::open(&line.address, line.settings, tap) {
             Ok(mut dialogue) => {
                 if let Some(memory) = line.memory.take() {
                     dialogue.remember(memory);
                 }
+                dialogue.not_before(floor);
+                self.watches.begin_anew(dialogue.now());
                 line.dialogue = Some(dialogue);
                 line.look_at = Instant::now() + LOOK_EVERY;
                 self.tell(BusEvent::LineRestored);

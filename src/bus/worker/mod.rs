@@ -14,6 +14,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
+
 use super::message::{BusCommand, BusEvent, RequestId};
 use super::repeat::Repeats;
 use super::scan::Scan;
@@ -41,6 +43,8 @@ pub struct Worker {
     watches: Watches,
     repeats: Repeats,
     scan: Option<(RequestId, Scan)>,
+    /// The latest time that was told; no line may begin before it.
+    latest: Timestamp,
     /// Which optional parts a module has, asked once.
     options: HashMap<Target, Vec<String>>,
     /// Modules that said what they are since the line was opened, with their model; only these are written to.
@@ -67,6 +71,7 @@ impl Worker {
             watches: Watches::default(),
             repeats: Repeats::default(),
             scan: None,
+            latest: Timestamp::MIN,
             options: HashMap::new(),
             identified: HashSet::new(),
         }
@@ -102,7 +107,7 @@ impl Worker {
             self.carry_out(command);
             return true;
         }
-        self.poll() | self.scan_step()
+        self.scan_step() | self.poll()
     }
 
     /// Puts what has arrived into the queue, without waiting.
@@ -132,11 +137,13 @@ impl Worker {
     /// Sleeps until a command comes or something is due.
     fn wait(&mut self) {
         let open = self.line.as_ref().is_some_and(OpenLine::is_there);
-        let poll = self.watches.next_due().filter(|_| open);
+        let (now, line_time) = (Instant::now(), self.line_time());
+        let poll = self.watches.next_due().filter(|_| open).map(|due| due.saturating_duration_since(line_time));
         let repeat = self.repeats.next_due().filter(|_| open);
-        let line = self.line.as_ref().map(OpenLine::next_look);
-        let received = match [poll, repeat, line].into_iter().flatten().min() {
-            Some(until) => self.commands.recv_timeout(until.saturating_duration_since(Instant::now())),
+        let look = self.line.as_ref().map(OpenLine::next_look);
+        let others = [repeat, look].map(|due| Some(due?.saturating_duration_since(now)));
+        let received = match others.into_iter().chain([poll]).flatten().min() {
+            Some(left) => self.commands.recv_timeout(left),
             None => self.commands.recv().map_err(|_| RecvTimeoutError::Disconnected),
         };
         match received {

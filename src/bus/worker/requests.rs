@@ -6,7 +6,7 @@ use super::super::dialogue::Speaker;
 use super::super::message::{BusCommand, BusEvent, ItemSet, RequestId};
 use super::super::repeat::Repeat;
 use super::super::target::{Patience, Target};
-use super::super::watch::Watch;
+use super::super::watch::{Poll, Watch, plan_of};
 use super::Worker;
 use crate::module::{
     Definition, Identified, ReadPlan, ReadRun, Value, WriteError, identify, moves_to, present_options, run_action,
@@ -44,8 +44,9 @@ impl Worker {
                 self.begin_reading(id, target, plan, Patience::CONVERSATION, false);
             }
             BusCommand::Watch { id, target, definition, items, interval } => {
-                let plan = self.plan(target, &definition, &items);
-                self.watches.add(Watch::new(id, target, plan, interval));
+                let parts = self.parts_without_asking(target, &definition);
+                let now = self.line_time();
+                self.watches.add(Watch::new(id, target, definition, items, parts.as_deref()), interval, now);
             }
             BusCommand::Write { id, target, definition, item, value } => {
                 let result = self.write(target, &definition, &item, &value);
@@ -110,6 +111,8 @@ impl Worker {
 
     /// Who answers at `target` from now on. Who was known there before has gone, with its optional parts.
     pub(super) fn note_identity(&mut self, target: Target, identified: &Identified) {
+        let now = self.line_time();
+        self.watches.heard(&target, now);
         let known = (target, identified.model().to_owned());
         if !self.identified.contains(&known) {
             self.identified.retain(|(at, _)| *at != target);
@@ -175,34 +178,50 @@ impl Worker {
 
     /// What to read of `target`; asks once which optional parts it has.
     fn plan(&mut self, target: Target, definition: &Arc<Definition>, items: &ItemSet) -> ReadPlan {
-        if let ItemSet::Named(ids) = items {
-            return ReadPlan::new(definition, target.protocol, ids.iter().map(String::as_str));
-        }
-        let present = self.options_of(target, definition);
-        let ids = match items {
-            ItemSet::All => definition.readable_ids(target.protocol, &present),
-            _ => definition.live_ids(target.protocol, &present),
+        let parts = match items {
+            ItemSet::Named(_) => None,
+            _ => self.parts_of(target, definition, Patience::CONVERSATION),
         };
-        ReadPlan::new(definition, target.protocol, ids)
+        plan_of(definition, &target, items, &parts.unwrap_or_default())
     }
 
-    fn options_of(&mut self, target: Target, definition: &Definition) -> Vec<String> {
+    /// Which optional parts a module has. `None` if it does not say.
+    fn parts_of(&mut self, target: Target, definition: &Definition, patience: Patience) -> Option<Vec<String>> {
         if let Some(known) = self.options.get(&target) {
-            return known.clone();
+            return Some(known.clone());
         }
-        let asked = self.dialogue().and_then(|dialogue| {
-            present_options(definition, target.protocol, &mut dialogue.with(target, Patience::CONVERSATION))
-        });
+        let asked = self
+            .dialogue()
+            .and_then(|dialogue| present_options(definition, target.protocol, &mut dialogue.with(target, patience)));
         match asked {
             Ok(present) => {
                 self.options.insert(target, present.clone());
                 self.tell(BusEvent::Parts { target, present: present.clone() });
-                present
+                Some(present)
             }
             Err(failure) => {
                 self.note_loss(Some(failure));
-                Vec::new()
+                None
             }
+        }
+    }
+
+    /// The same without a question to the module; `None` if it would take one.
+    fn parts_without_asking(&mut self, target: Target, definition: &Definition) -> Option<Vec<String>> {
+        let nothing_to_ask = definition.optional.is_empty() || !target.protocol.is_modbus();
+        if nothing_to_ask || self.options.contains_key(&target) {
+            self.parts_of(target, definition, Patience::POLL)
+        } else {
+            None
+        }
+    }
+
+    /// Asks a watched module that answers for its optional parts, if they are not known yet.
+    fn complete_watch(&mut self, target: Target) {
+        if let Some(definition) = self.watches.wants_parts(&target)
+            && let Some(parts) = self.parts_of(target, &definition, Patience::POLL)
+        {
+            self.watches.has_parts(&target, &parts);
         }
     }
 
@@ -237,17 +256,23 @@ impl Worker {
 
     fn end_reading(&mut self, reading: Reading) {
         let Reading { id, target, plan, run, poll, .. } = reading;
-        let at = self.timestamp();
+        let (at, now, answered) = (self.timestamp(), self.line_time(), run.is_answered());
         let values = plan.finish(run, at);
         let lost = values.iter().find_map(|answer| match &answer.result {
             Err(failure @ Failure::LineLost(_)) => Some(failure.clone()),
             _ => None,
         });
-        if poll {
-            self.watches.learned(&target, plan);
+        match (poll, lost) {
+            // A line that is lost tells nothing of the module.
+            (_, Some(lost)) => self.note_loss(Some(lost)),
+            (true, None) => self.watches.polled(id, &target, plan, answered, now),
+            (false, None) if answered => self.watches.heard(&target, now),
+            (false, None) => {}
         }
-        self.note_loss(lost);
         self.tell(BusEvent::Read { id, target, at, values });
+        if poll && answered {
+            self.complete_watch(target);
+        }
     }
 
     /// Begins to poll the module whose turn it is. False if none is due.
@@ -255,9 +280,9 @@ impl Worker {
         if self.dialogue().is_err() {
             return false;
         }
-        let Some(watch) = self.watches.take_due(std::time::Instant::now()) else { return false };
-        let (id, target, plan) = (watch.id, watch.target, watch.plan.clone());
-        self.begin_reading(id, target, plan, Patience::POLL, true);
+        let now = self.line_time();
+        let Some(Poll { id, target, plan, patience }) = self.watches.take_due(now) else { return false };
+        self.begin_reading(id, target, plan, patience, true);
         true
     }
 

@@ -1,0 +1,150 @@
+//! When each of several modules is asked next, on a line that has time for one of them only.
+//!
+//! The contract: whoever has been due for longest is next, so that modules polled as fast as the line allows take
+//! turns. Missed times are not caught up; a module keeps its rhythm. One that stays silent is probed ever more rarely
+//! and is back at its interval as soon as it answers. Times are passed in, in order.
+
+use std::time::{Duration, Instant};
+
+const LONGEST_INTERVAL: Duration = Duration::from_secs(24 * 60 * 60);
+/// A module that refuses everything is not asked as fast as the line allows.
+const IDLE_INTERVAL: Duration = Duration::from_secs(1);
+/// A silent module is probed at least so often, unless its own interval is longer.
+const LONGEST_SILENCE: Duration = Duration::from_secs(10);
+/// The same where no module answers, so that no probe holds up another.
+const LONGEST_SILENCE_ALONE: Duration = Duration::from_secs(2);
+/// A probe that fails at once must not be repeated at once.
+const SHORTEST_COST: Duration = Duration::from_millis(50);
+
+#[derive(Debug)]
+struct Turn<K> {
+    key: K,
+    interval: Duration,
+    due: Instant,
+    /// When the poll under way began, or the last one; `None` before the first.
+    began: Option<Instant>,
+    /// Polls without answer in a row.
+    silences: u32,
+}
+
+impl<K> Turn<K> {
+    /// How long a silent module is left alone, `cost` being what its last probe took.
+    fn respite(&self, cost: Duration, longest: Duration) -> Duration {
+        let base = if self.interval.is_zero() { cost.max(SHORTEST_COST) } else { self.interval };
+        let doubled = base.saturating_mul(1u32.checked_shl(self.silences).unwrap_or(u32::MAX));
+        doubled.min(longest).max(self.interval)
+    }
+}
+
+/// The turns of all modules.
+#[derive(Debug)]
+pub struct Schedule<K> {
+    turns: Vec<Turn<K>>,
+}
+
+impl<K> Default for Schedule<K> {
+    fn default() -> Self {
+        Self { turns: Vec::new() }
+    }
+}
+
+impl<K: Copy + PartialEq> Schedule<K> {
+    /// One more module, due at once. An interval of zero means as fast as the line allows.
+    pub fn add(&mut self, key: K, interval: Duration, now: Instant) {
+        self.remove(key);
+        let interval = interval.min(LONGEST_INTERVAL);
+        self.turns.push(Turn { key, interval, due: now, began: None, silences: 0 });
+    }
+
+    pub fn remove(&mut self, key: K) {
+        self.turns.retain(|turn| turn.key != key);
+    }
+
+    pub fn rename(&mut self, from: K, to: K) {
+        if let Some(turn) = self.turn(from) {
+            turn.key = to;
+        }
+    }
+
+    /// When the next poll is due.
+    pub fn next_due(&self) -> Option<Instant> {
+        self.turns.iter().map(|turn| turn.due).min()
+    }
+
+    /// The module that has been due for longest, if any is, and of several the one that was polled least recently. Its
+    /// poll begins now.
+    pub fn take_due(&mut self, now: Instant) -> Option<K> {
+        let turn = self.turns.iter_mut().filter(|turn| turn.due <= now).min_by_key(|turn| (turn.due, turn.began))?;
+        turn.began = Some(now);
+        turn.due = next_in_rhythm(turn.due, turn.interval, now);
+        Some(turn.key)
+    }
+
+    /// The module has answered, to a poll or to somebody else's question. If nobody did before, the line itself was at
+    /// fault: all are due.
+    pub fn heard(&mut self, key: K, now: Instant) {
+        let nobody_answered = !self.anyone_answers();
+        let Some(turn) = self.turn(key) else { return };
+        let was_silent = std::mem::take(&mut turn.silences) > 0;
+        turn.due = if was_silent { turn.due.min(now + turn.interval) } else { turn.due };
+        if nobody_answered {
+            let others = self.turns.iter_mut().filter(|turn| turn.key != key);
+            others.for_each(|turn| turn.due = turn.due.min(now));
+        }
+    }
+
+    /// The poll of `key` brought nothing that shows that anybody is there.
+    pub fn stayed_silent(&mut self, key: K, now: Instant) {
+        let Some(turn) = self.turn(key) else { return };
+        turn.silences = turn.silences.saturating_add(1);
+        let alone = !self.anyone_answers();
+        let longest = if alone { LONGEST_SILENCE_ALONE } else { LONGEST_SILENCE };
+        let Some(turn) = self.turn(key) else { return };
+        let cost = turn.began.map(|began| now.saturating_duration_since(began));
+        turn.due = now + turn.respite(cost.unwrap_or_default(), longest);
+        if alone {
+            // Those that have long been silent are waited for no longer than this one.
+            for turn in &mut self.turns {
+                turn.due = turn.due.min(now + LONGEST_SILENCE_ALONE.max(turn.interval));
+            }
+        }
+    }
+
+    /// There is nothing that the module does not refuse: there is no need to hurry.
+    pub fn refuses_all(&mut self, key: K) {
+        if let Some(turn) = self.turn(key) {
+            turn.due = turn.due.max(turn.began.map_or(turn.due, |began| began + IDLE_INTERVAL));
+        }
+    }
+
+    /// Whether the last poll of `key` brought nothing.
+    pub fn is_silent(&self, key: K) -> bool {
+        self.turns.iter().any(|turn| turn.key == key && turn.silences > 0)
+    }
+
+    /// All are asked at once, as if they had never been asked before.
+    pub fn begin_anew(&mut self, now: Instant) {
+        for turn in &mut self.turns {
+            (turn.due, turn.silences) = (now, 0);
+        }
+    }
+
+    /// Whether any module is not known to be silent.
+    fn anyone_answers(&self) -> bool {
+        self.turns.iter().any(|turn| turn.silences == 0)
+    }
+
+    fn turn(&mut self, key: K) -> Option<&mut Turn<K>> {
+        self.turns.iter_mut().find(|turn| turn.key == key)
+    }
+}
+
+/// The first time after `now` that is a whole number of intervals after `due`; `now` if there is no interval.
+fn next_in_rhythm(due: Instant, interval: Duration, now: Instant) -> Instant {
+    let late = now.saturating_duration_since(due);
+    let into = late.as_nanos().checked_rem(interval.as_nanos()).and_then(|rest| u64::try_from(rest).ok());
+    into.map_or(now, |into| now + interval.saturating_sub(Duration::from_nanos(into)))
+}
+
+#[cfg(test)]
+mod tests;
