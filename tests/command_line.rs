@@ -1,96 +1,17 @@
 //! The command line as a user and a script see it: the real program, its output and its exit codes.
 
-use std::io::{BufRead, BufReader, Lines};
-use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Output, Stdio};
+#[path = "common/program.rs"]
+mod program;
 
+use std::io::{BufRead, BufReader};
+use std::process::{ChildStdout, Command, Output, Stdio};
+
+use program::{Running, bad, bench, command, demo, good, object, text};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
 /// A port that no computer has: what is refused with exit code 2 was refused before the line was opened.
 const NO_PORT: &str = "no-such-port";
-
-fn command(config: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_dcon-bench"));
-    command.args(args).env("DCON_BENCH_CONFIG", config).env_remove("RUST_LOG").stdin(Stdio::null());
-    command
-}
-
-/// Runs the program to its end.
-fn bench(args: &[&str]) -> Output {
-    let config = TempDir::new().unwrap();
-    command(config.path(), args).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-/// Standard output of a run that has to succeed.
-fn good(args: &[&str]) -> String {
-    let output = bench(args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-/// Standard error of a run that has to end with this exit code.
-fn bad(code: i32, args: &[&str]) -> String {
-    let output = bench(args);
-    assert_eq!(output.status.code(), Some(code), "{args:?}: {}{}", text(&output.stdout), text(&output.stderr));
-    text(&output.stderr)
-}
-
-fn object(args: &[&str]) -> Value {
-    serde_json::from_str(&good(args)).unwrap()
-}
-
-/// A running program whose lines are read as they come.
-struct Running {
-    child: Child,
-    lines: Lines<BufReader<ChildStdout>>,
-    _config: TempDir,
-}
-
-impl Running {
-    fn start(args: &[&str]) -> Self {
-        let config = TempDir::new().unwrap();
-        let mut child = command(config.path(), args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
-        Self { child, lines, _config: config }
-    }
-
-    /// Simulates these modules. Returns also where they are reached.
-    fn simulate(args: &[&str]) -> (Self, String) {
-        let mut running = Self::start(&[&["simulate"], args].concat());
-        let place = running.line().split_once(' ').unwrap().1.to_owned();
-        (running, place)
-    }
-
-    fn line(&mut self) -> String {
-        self.lines.next().expect("the program ended too soon").unwrap()
-    }
-
-    #[cfg(unix)]
-    fn end_by(&mut self, signal: &str) -> Option<i32> {
-        let id = self.child.id().to_string();
-        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
-        self.child.wait().unwrap().code()
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-/// `words` split at spaces after `--demo` was put behind the subcommand.
-fn demo(words: &str) -> Vec<&str> {
-    let mut words: Vec<&str> = words.split(' ').collect();
-    words.insert(1, "--demo");
-    words
-}
 
 #[test]
 fn a_scan_prints_one_object_a_line_for_each_module() {
@@ -312,7 +233,7 @@ fn a_parameter_of_another_model_is_refused_by_name() {
 
 #[test]
 fn every_subcommand_explains_itself() {
-    for command in ["ports", "scan", "show", "get", "set", "action", "send", "watch", "simulate"] {
+    for command in ["ports", "scan", "show", "get", "set", "action", "send", "watch", "record", "export", "simulate"] {
         let help = good(&[command, "--help"]);
         assert!(help.contains("Usage:") && help.contains(&format!("\n  dcon-bench {command}")), "{help}");
     }

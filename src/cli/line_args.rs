@@ -1,5 +1,7 @@
 //! The options that say which line, and which module on it.
 
+use std::str::FromStr;
+
 use clap::{ArgGroup, Args};
 
 use super::stop::Stop;
@@ -82,14 +84,112 @@ pub struct ModuleArgs {
 impl ModuleArgs {
     /// The module's place on `line`.
     pub fn target(&self, line: &LineArgs) -> Outcome<Target> {
-        let protocol = if line.is_tcp() { Protocol::ModbusTcp } else { self.protocol.unwrap_or(Protocol::ModbusRtu) };
-        if self.checksum && protocol != Protocol::Dcon {
-            return Err(Stop::usage("--checksum belongs to DCON: add --protocol dcon, or leave it out"));
+        target(line, self.address, self.protocol, line.settings(), self.checksum)
+    }
+}
+
+/// A module in one word, `ADDRESS[:PROTOCOL][:SPEED][:FORMAT][:checksum]`; what is left out is as the line has it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ModuleWord {
+    pub address: u8,
+    pub protocol: Option<Protocol>,
+    pub baud_rate: Option<BaudRate>,
+    pub data_format: Option<DataFormat>,
+    pub checksum: bool,
+}
+
+impl FromStr for ModuleWord {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut words = text.trim().split(':').map(str::trim);
+        let mut module = Self { address: parse_address(words.next().unwrap_or_default())?, ..Self::default() };
+        for word in words {
+            let fresh = if let Ok(protocol) = word.parse() {
+                module.protocol.replace(protocol).is_none()
+            } else if let Ok(baud_rate) = word.parse() {
+                module.baud_rate.replace(baud_rate).is_none()
+            } else if let Ok(data_format) = word.parse() {
+                module.data_format.replace(data_format).is_none()
+            } else if word.eq_ignore_ascii_case("checksum") {
+                !std::mem::replace(&mut module.checksum, true)
+            } else {
+                return Err(format!(
+                    "\"{word}\" is not part of a module: use modbus_rtu, dcon, a speed such as 9600, n81, n82, e81, o81 \
+                     or checksum"
+                ));
+            };
+            if !fresh {
+                return Err(format!("\"{word}\" repeats or contradicts an earlier word"));
+            }
         }
-        if protocol.is_modbus() && !MODBUS_ADDRESSES.contains(&self.address) {
-            let label = protocol.label();
-            return Err(Stop::usage(format!("address {} is impossible with {label}: use 1 to 247", self.address)));
+        Ok(module)
+    }
+}
+
+impl ModuleWord {
+    /// The module's place on `line`.
+    pub fn target(&self, line: &LineArgs) -> Outcome<Target> {
+        if line.is_tcp() && (self.baud_rate.is_some() || self.data_format.is_some()) {
+            return Err(Stop::usage("speed and data format belong to serial lines: leave them out over TCP"));
         }
-        Ok(Target { address: self.address, protocol, settings: line.settings(), checksum: self.checksum })
+        let settings = LineSettings {
+            baud_rate: self.baud_rate.unwrap_or(line.settings().baud_rate),
+            data_format: self.data_format.unwrap_or(line.settings().data_format),
+        };
+        target(line, self.address, self.protocol, settings, self.checksum)
+    }
+}
+
+fn target(
+    line: &LineArgs,
+    address: u8,
+    protocol: Option<Protocol>,
+    settings: LineSettings,
+    checksum: bool,
+) -> Outcome<Target> {
+    let default = if line.is_tcp() { Protocol::ModbusTcp } else { Protocol::ModbusRtu };
+    let protocol = protocol.unwrap_or(default);
+    let label = protocol.label();
+    if line.is_tcp() != (protocol == Protocol::ModbusTcp) {
+        let line = if line.is_tcp() { "--tcp" } else { "a serial line" };
+        return Err(Stop::usage(format!("{label} is not spoken over {line}")));
+    }
+    if checksum && protocol != Protocol::Dcon {
+        return Err(Stop::usage("--checksum belongs to DCON: add --protocol dcon, or leave it out"));
+    }
+    if protocol.is_modbus() && !MODBUS_ADDRESSES.contains(&address) {
+        return Err(Stop::usage(format!("address {address} is impossible with {label}: use 1 to 247")));
+    }
+    Ok(Target { address, protocol, settings, checksum })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_module_is_one_word() {
+        let word: ModuleWord = "0xA0:dcon:19200:e81:checksum".parse().unwrap();
+        assert_eq!((word.address, word.protocol, word.checksum), (160, Some(Protocol::Dcon), true));
+        assert_eq!((word.baud_rate.map(BaudRate::bps), word.data_format), (Some(19_200), Some(DataFormat::E81)));
+        assert_eq!("5".parse(), Ok(ModuleWord { address: 5, ..ModuleWord::default() }));
+    }
+
+    #[test]
+    fn a_wrong_word_is_refused_with_what_is_allowed() {
+        for (text, hint) in
+            [("", "0 to 255"), ("pir@1", "0 to 255"), ("1:300", "9600"), ("1:dcon:modbus_rtu", "repeats")]
+        {
+            let error = text.parse::<ModuleWord>().unwrap_err();
+            assert!(error.contains(hint), "{text}: {error}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_text_makes_the_parser_panic(text: String) {
+            let _ = text.parse::<ModuleWord>();
+        }
     }
 }

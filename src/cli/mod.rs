@@ -4,12 +4,14 @@
 //! the line or a module refused or stayed silent, 2 for wrong usage. Standard output that was closed ends quietly with 0.
 
 mod action;
+mod export;
 mod get;
 mod line_args;
 mod names;
 mod output;
 mod parse;
 mod ports;
+mod record;
 mod scan;
 mod send;
 mod session;
@@ -18,6 +20,7 @@ mod show;
 mod signals;
 mod simulate;
 mod stop;
+mod terminal;
 mod watch;
 
 use std::process::ExitCode;
@@ -56,7 +59,9 @@ const EXAMPLES: &str = "Examples:
   dcon-bench scan --port /dev/ttyUSB0                    where a module answers
   dcon-bench show --port COM3 --address 1                everything a module tells
   dcon-bench set --port COM3 --address 1 pir_on_time=33  change a parameter
-  dcon-bench watch --tcp 192.168.255.1 --address 1       readings, one line a second";
+  dcon-bench watch --tcp 192.168.255.1 --address 1       readings, one line a second
+  dcon-bench record --port COM3 1 2:dcon --out hall.sqlite readings of several modules, into a file
+  dcon-bench export hall.sqlite --out hall.csv             what was recorded, for other programs";
 
 /// What to do without a window.
 #[derive(Debug, Subcommand)]
@@ -69,6 +74,8 @@ pub enum Command {
     Action(action::ActionArgs),
     Send(send::SendArgs),
     Watch(watch::WatchArgs),
+    Record(record::RecordArgs),
+    Export(export::ExportArgs),
     Simulate(simulate::SimulateArgs),
 }
 
@@ -83,6 +90,8 @@ pub fn run(command: Command) -> ExitCode {
         Command::Action(args) => action::run(&args),
         Command::Send(args) => send::run(&args),
         Command::Watch(args) => watch::run(&args),
+        Command::Record(args) => record::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match outcome {

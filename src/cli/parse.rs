@@ -92,6 +92,11 @@ pub fn interval(text: &str) -> Result<Duration, String> {
     duration_within(text, Duration::ZERO, Duration::from_secs(24 * 60 * 60))
 }
 
+/// How long is recorded.
+pub fn recording_time(text: &str) -> Result<Duration, String> {
+    duration_within(text, Duration::from_millis(1), Duration::from_secs(10 * 365 * 24 * 60 * 60))
+}
+
 /// How long a simulated module takes to answer.
 pub fn turnaround(text: &str) -> Result<Duration, String> {
     duration_within(text, Duration::ZERO, Duration::from_secs(10))

@@ -187,7 +187,7 @@ impl Module {
     }
 }
 
-fn not_identified(target: &Target, failure: &Failure) -> String {
+pub fn not_identified(target: &Target, failure: &Failure) -> String {
     match failure {
         Failure::Silent if target.protocol == Protocol::ModbusTcp => {
             format!(
@@ -214,7 +214,7 @@ fn not_identified(target: &Target, failure: &Failure) -> String {
     }
 }
 
-fn unknown(target: &Target, identified: &Identified) -> String {
+pub fn unknown(target: &Target, identified: &Identified) -> String {
     let said = if identified.said.is_empty() { "nothing about itself" } else { identified.said.as_str() };
     let place = folders::definitions().map(|folder| format!(" (a file in {})", folder.display())).unwrap_or_default();
     format!(

@@ -1,12 +1,17 @@
 //! Samples and events over time, in memory and on the disk, and files that are written beside the work. Knows neither
 //! buses nor windows.
 
+mod export;
 mod history;
 mod objects;
 mod store;
 mod trend;
+mod whole;
 mod writer;
 
+pub use export::{
+    EventRows, Export, ExportError, ExportJob, Format, Progress, Rows, Source, column_name, module_names,
+};
 pub use history::{History, MOST_EVENTS, Record, Series};
 pub use objects::{
     Change, Event, EventKind, ModuleId, ModuleInfo, SeriesId, SeriesInfo, SeriesKind, micros_of, timestamp,

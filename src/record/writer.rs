@@ -1,9 +1,11 @@
 //! Writes a file on a thread of its own, part by part. The file has its name only once it is whole.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
+
+use super::whole::write_whole;
 
 /// Parts that may wait for the disk.
 const WAITING: usize = 4;
@@ -29,7 +31,7 @@ impl FileWriter {
         let (tell, outcome) = sync_channel(1);
         let write = move || {
             // Nobody waits any more if the window was closed meanwhile.
-            let _ = tell.send(write_all(&path, &incoming));
+            let _ = tell.send(write_whole(&path, |file| write_parts(file, &incoming)));
             done();
         };
         std::thread::Builder::new().name("export".to_owned()).spawn(write)?;
@@ -59,20 +61,8 @@ impl FileWriter {
     }
 }
 
-fn write_all(path: &Path, parts: &Receiver<Part>) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let unfinished = path.with_file_name(name);
-    let written = write_parts(&unfinished, parts).and_then(|()| fs::rename(&unfinished, path));
-    if written.is_err() {
-        // Nothing more can be done if that fails too.
-        let _ = fs::remove_file(&unfinished);
-    }
-    written
-}
-
-fn write_parts(path: &Path, parts: &Receiver<Part>) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
+fn write_parts(file: &File, parts: &Receiver<Part>) -> io::Result<()> {
+    let mut file = BufWriter::new(file);
     loop {
         match parts.recv() {
             Ok(Part::Bytes(bytes)) => file.write_all(&bytes)?,
@@ -85,6 +75,8 @@ fn write_parts(path: &Path, parts: &Receiver<Part>) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
+    use std::path::Path;
     use std::sync::mpsc::channel;
 
     fn start(path: &Path) -> (FileWriter, Receiver<()>) {

@@ -1,50 +1,27 @@
-//! How far a scan is, on one line of the terminal that is written again and again.
+//! How far a scan is, on one line of the terminal.
 
-use std::io::{self, IsTerminal, Write};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use super::super::terminal::TerminalLine;
 use crate::bus::ScanProgress;
 
 /// Faster than this nobody can read.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// The line of the terminal. Nothing is written if standard error is something else.
-pub struct Progress {
-    terminal: bool,
-    /// Characters that stand there.
-    shown: usize,
-    at: Option<Instant>,
-}
+pub struct Progress(TerminalLine);
 
 impl Progress {
     pub fn new() -> Self {
-        Self { terminal: io::stderr().is_terminal(), shown: 0, at: None }
+        Self(TerminalLine::new(PAUSE))
     }
 
     pub fn show(&mut self, progress: &ScanProgress) {
-        if !self.terminal || self.at.is_some_and(|at| at.elapsed() < PAUSE) {
-            return;
-        }
-        self.at = Some(Instant::now());
-        let text = describe(progress);
-        let width = self.shown;
-        self.write(&format!("\r{text:width$}"));
-        self.shown = text.chars().count();
+        self.0.show(|| describe(progress));
     }
 
     /// Makes room for something else.
     pub fn clear(&mut self) {
-        if self.shown > 0 {
-            self.write(&format!("\r{:1$}\r", "", self.shown));
-            self.shown = 0;
-            self.at = None;
-        }
-    }
-
-    fn write(&self, text: &str) {
-        let mut terminal = io::stderr().lock();
-        // If the terminal has gone, nobody misses the progress.
-        let _ = write!(terminal, "{text}").and_then(|()| terminal.flush());
+        self.0.clear();
     }
 }
 

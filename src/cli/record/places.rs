@@ -1,0 +1,190 @@
+//! The modules that are recorded: each is asked what it is, again and again until it says so, and then polled.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+
+use super::super::Outcome;
+use super::super::session::{self, Session};
+use super::roll::Roll;
+use crate::bench::{Observer, module_info, silence};
+use crate::bus::{Answer, BusCommand, ItemSet, RequestId, Target, Values};
+use crate::module::{Definition, Identified};
+use crate::protocol::Failure;
+use crate::record::EventKind;
+
+/// Until a module that did not say what it is is asked again: at first, and at most.
+const FIRST_PAUSE: Duration = Duration::from_secs(2);
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+pub struct Places {
+    all: Vec<Place>,
+    /// The line as people see it.
+    line: String,
+    interval: Duration,
+}
+
+struct Place {
+    target: Target,
+    stage: Stage,
+    /// Why it is not polled, as it was last said.
+    said: Option<String>,
+}
+
+enum Stage {
+    /// It is asked what it is when `due`.
+    Unknown {
+        due: Instant,
+        pause: Duration,
+    },
+    Asked {
+        id: RequestId,
+        pause: Duration,
+    },
+    Polled {
+        id: RequestId,
+        definition: Arc<Definition>,
+        observer: Observer,
+    },
+}
+
+impl Places {
+    pub fn new(targets: Vec<Target>, line: String, interval: Duration) -> Self {
+        let due = Instant::now();
+        let place = |target| Place { target, stage: Stage::Unknown { due, pause: FIRST_PAUSE }, said: None };
+        Self { all: targets.into_iter().map(place).collect(), line, interval }
+    }
+
+    /// Asks the module whose turn it is what it is: one at a time, so that those that answer are polled meanwhile.
+    pub fn ask_next(&mut self, session: &Session) -> Outcome {
+        if self.all.iter().any(|place| matches!(place.stage, Stage::Asked { .. })) {
+            return Ok(());
+        }
+        let due = |place: &&mut Place| if let Stage::Unknown { due, .. } = place.stage { Some(due) } else { None };
+        let next = self.all.iter_mut().filter(|place| due(place).is_some()).min_by_key(due);
+        let Some(Place { target, stage, .. }) = next else { return Ok(()) };
+        if let Stage::Unknown { due, pause } = *stage
+            && due <= Instant::now()
+        {
+            let target = *target;
+            let id = session.send(|id| BusCommand::Identify { id, target })?;
+            *stage = Stage::Asked { id, pause };
+        }
+        Ok(())
+    }
+
+    /// Takes in what a module said of itself.
+    pub fn identified(
+        &mut self,
+        session: &Session,
+        roll: &mut Roll,
+        id: RequestId,
+        result: Result<Identified, Failure>,
+    ) -> Outcome {
+        let Self { all, line, interval } = self;
+        let asked = |place: &&mut Place| matches!(place.stage, Stage::Asked { id: of, .. } if of == id);
+        let Some(place) = all.iter_mut().find(asked) else { return Ok(()) };
+        let target = place.target;
+        let reason = match result {
+            Ok(identified) => match identified.definition.clone() {
+                Some(definition) if definition.live_items(target.protocol).next().is_some() => {
+                    return place.poll(session, roll, line, *interval, identified, definition);
+                }
+                Some(definition) => format!("{} has no readings over {}", definition.label, target.protocol.label()),
+                None => session::unknown(&target, &identified),
+            },
+            // That was said of the line already.
+            Err(Failure::LineLost(_)) => {
+                place.wait();
+                return Ok(());
+            }
+            Err(failure) => session::not_identified(&target, &failure),
+        };
+        place.say(roll, reason);
+        place.wait();
+        Ok(())
+    }
+
+    /// Takes in what a poll brought.
+    pub fn take(&mut self, roll: &mut Roll, id: RequestId, at: Timestamp, values: Values) {
+        for Place { target, stage, .. } in &mut self.all {
+            let Stage::Polled { id: of, definition, observer } = stage else { continue };
+            if *of == id {
+                let label = format!("{} at {target}", definition.label);
+                return take(roll, definition, observer, self.interval, &label, at, values);
+            }
+        }
+    }
+}
+
+impl Place {
+    /// The module is known now, and polled from here on.
+    fn poll(
+        &mut self,
+        session: &Session,
+        roll: &mut Roll,
+        line: &str,
+        interval: Duration,
+        identified: Identified,
+        definition: Arc<Definition>,
+    ) -> Outcome {
+        let (target, watched) = (self.target, definition.clone());
+        let watch = |id| BusCommand::Watch { id, target, definition: watched, items: ItemSet::Live, interval };
+        let id = session.send(watch)?;
+        let observer = Observer::new(&mut roll.history, module_info(line, &target, &identified));
+        roll.of_module(observer.id(), Timestamp::now(), EventKind::Found, format!("Found at {target}"));
+        if self.said.take().is_some() {
+            roll.message(&format!("{} at {target} answers, and is recorded", definition.label));
+        }
+        self.stage = Stage::Polled { id, definition, observer };
+        Ok(())
+    }
+
+    /// It is asked again later.
+    fn wait(&mut self) {
+        let pause = if let Stage::Asked { pause, .. } = self.stage { pause } else { FIRST_PAUSE };
+        let due = Instant::now().checked_add(pause).unwrap_or_else(Instant::now);
+        self.stage = Stage::Unknown { due, pause: pause.saturating_mul(2).min(LONGEST_PAUSE) };
+    }
+
+    /// Why it is not polled, once.
+    fn say(&mut self, roll: &mut Roll, reason: String) {
+        if self.said.as_ref() != Some(&reason) {
+            roll.message(&format!("{reason}; it is asked again now and then"));
+            self.said = Some(reason);
+        }
+    }
+}
+
+fn take(
+    roll: &mut Roll,
+    definition: &Definition,
+    observer: &mut Observer,
+    interval: Duration,
+    label: &str,
+    at: Timestamp,
+    values: Values,
+) {
+    let silent = silence(&values);
+    let first = values.iter().map(|answer| answer.at).min().unwrap_or(at);
+    let when = silent.map_or(first, |(at, _)| at);
+    if let Some(entry) = observer.presence(when, silent.map(|(_, failure)| failure)) {
+        if !silent.is_some_and(|(_, failure)| matches!(failure, Failure::LineLost(_))) {
+            roll.message(&format!("{label}: {}", entry.text));
+        }
+        roll.history.add_event(entry.to_event(Some(observer.id())));
+    }
+    for Answer { id, at, result } in values {
+        let item = definition.item(&id);
+        match result {
+            Err(_) => observer.missing(&mut roll.history, &id),
+            Ok(value) => {
+                let entry = item.and_then(|item| observer.value(&mut roll.history, item, at, &value, Some(interval)));
+                if let Some(entry) = entry {
+                    roll.history.add_event(entry.to_event(Some(observer.id())));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! JSON Lines: one object for each row, without the names of empty cells.
+
+use std::io::{self, BufWriter, Write};
+
+use jiff::tz::TimeZone;
+
+use super::ExportError;
+use super::table::{Cell, Column, Sink};
+use super::time::Clock;
+
+const BUFFER: usize = 64 * 1024;
+
+pub(super) struct JsonSink<W: Write> {
+    writer: BufWriter<W>,
+    clock: Clock,
+    /// `"name":` of each column.
+    names: Vec<String>,
+}
+
+impl<W: Write> JsonSink<W> {
+    pub fn new(columns: &[Column], zone: &TimeZone, writer: W) -> Self {
+        let names = columns.iter().map(|column| format!("{}:", serde_json::Value::from(column.name.as_str())));
+        Self { writer: BufWriter::with_capacity(BUFFER, writer), clock: Clock::new(zone), names: names.collect() }
+    }
+}
+
+impl<W: Write> Sink for JsonSink<W> {
+    fn put(&mut self, row: &[Cell]) -> Result<(), ExportError> {
+        let Self { writer, clock, names } = self;
+        let mut before = "{";
+        for (cell, name) in row.iter().zip(names).filter(|(cell, _)| **cell != Cell::Empty) {
+            write!(writer, "{before}{name}")?;
+            before = ",";
+            match cell {
+                Cell::Empty => {}
+                Cell::Time(at) => write!(writer, "\"{}\"", clock.text(*at)?)?,
+                // Its digits are those of JSON, and remain the module's own.
+                Cell::Number(number) => write!(writer, "{number}")?,
+                Cell::Switch(on) => write!(writer, "{on}")?,
+                Cell::Word(word) => write_word(writer, word)?,
+            }
+        }
+        Ok(writer.write_all(b"}\n")?)
+    }
+
+    fn end(mut self) -> Result<(), ExportError> {
+        Ok(self.writer.flush()?)
+    }
+}
+
+/// Words that are numbers are numbers, as everywhere in the program's JSON.
+fn write_word(writer: &mut impl Write, word: &str) -> io::Result<()> {
+    match word.parse::<i64>() {
+        Ok(number) => write!(writer, "{number}"),
+        Err(_) => serde_json::to_writer(writer, word).map_err(io::Error::from),
+    }
+}
