@@ -42,6 +42,11 @@ impl Bench {
                     module.take(history, id, at, values);
                 }
             }
+            BusEvent::Reading { target, values, .. } => {
+                if let Some((module, history)) = self.module_and_history(&target) {
+                    module.take_so_far(history, values);
+                }
+            }
             BusEvent::Parts { target, present } => {
                 if let Some(module) = self.module_mut(&target) {
                     module.parts = Some(present);

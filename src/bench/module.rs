@@ -221,6 +221,15 @@ impl Module {
         }
     }
 
+    /// Takes in the values that a poll under way has brought.
+    pub(super) fn take_so_far(&mut self, history: &mut History, values: Values) {
+        for Answer { id, at, result } in values {
+            if let Ok(value) = result {
+                self.take_value(history, at, id, value);
+            }
+        }
+    }
+
     pub(super) fn take_value(&mut self, history: &mut History, at: Timestamp, id: String, value: Value) {
         let definition = self.definition().cloned();
         let item = definition.as_ref().and_then(|definition| definition.item(&id));

@@ -72,7 +72,7 @@ pub enum BusCommand {
     Raw { id: RequestId, request: RawRequest, settings: LineSettings },
     /// Reads items again and again; an interval of zero means as fast as the line allows. Polls that were missed are not
     /// caught up. A module that stays silent is asked ever more rarely, but once in 10 s at least, or at its interval if
-    /// that is longer. → [`BusEvent::Read`] each time
+    /// that is longer. → [`BusEvent::Read`] each time, and [`BusEvent::Reading`] while one takes longer
     Watch { id: RequestId, target: Target, definition: Arc<Definition>, items: ItemSet, interval: Duration },
     /// Ends a watch. No event follows but those under way.
     Unwatch { target: Target },
@@ -128,6 +128,12 @@ pub enum BusEvent {
         id: RequestId,
         target: Target,
         at: Timestamp,
+        values: Values,
+    },
+    /// Values that a poll which takes longer has brought so far; the poll's [`BusEvent::Read`] tells them again.
+    Reading {
+        id: RequestId,
+        target: Target,
         values: Values,
     },
     Written {

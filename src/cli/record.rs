@@ -152,6 +152,7 @@ fn follow(
 fn take(session: &Session, places: &mut Places, roll: &mut Roll, event: BusEvent) -> Outcome {
     match event {
         BusEvent::Read { id, at, values, .. } => places.take(roll, id, at, values),
+        BusEvent::Reading { id, values, .. } => places.take_so_far(roll, id, &values),
         BusEvent::Identified { id, result, .. } => places.identified(session, roll, id, result)?,
         BusEvent::LineLost { reason } => {
             let text = format!("The line was lost: {reason}");

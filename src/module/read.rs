@@ -170,6 +170,19 @@ impl ReadPlan {
         self.name(run.results, at)
     }
 
+    /// The values that the run has brought so far, each with its time.
+    pub fn so_far(&self, run: &ReadRun) -> Vec<Answer> {
+        let brought = |outcome: &Option<Outcome>| match outcome {
+            Some((Some(at), Ok(value))) => Some((*at, value.clone())),
+            _ => None,
+        };
+        let named = |(entry, outcome): (&Entry, &Option<Outcome>)| {
+            let ((at, value), item) = (brought(outcome)?, self.definition.items.get(entry.item)?);
+            Some(Answer { id: item.id.clone(), at, result: Ok(value) })
+        };
+        self.entries.iter().zip(&run.results).filter_map(named).collect()
+    }
+
     /// Takes over the items of `other` that it has not; what was learned about its own stays known.
     pub fn complete(&mut self, other: Self) {
         let known: BTreeSet<usize> = self.entries.iter().map(|entry| entry.item).collect();

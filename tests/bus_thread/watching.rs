@@ -107,6 +107,31 @@ fn a_watch_follows_its_module_to_a_new_address() {
 }
 
 #[test]
+fn what_a_slow_poll_has_brought_is_told_before_it_ends() {
+    let line = Line::open(&["pir-234@1:modbus_rtu:1200"]);
+    watch(&line, target("pir-234@1:modbus_rtu:1200"), Duration::from_secs(10));
+    let (mut early, mut whole) = (Vec::new(), Vec::new());
+    line.until(|event| match event {
+        BusEvent::Reading { values, .. } => {
+            early.extend(values.iter().cloned());
+            None
+        }
+        BusEvent::Read { values, .. } => {
+            whole = values.clone();
+            Some(())
+        }
+        _ => None,
+    });
+    assert!(!early.is_empty() && early.iter().all(|answer| answer.result.is_ok()));
+    let (first, last) = (early.iter().map(|answer| answer.at).min(), whole.iter().map(|answer| answer.at).max());
+    assert!(last.unwrap().duration_since(first.unwrap()) > SignedDuration::from_millis(500), "1200 bps are slow");
+    for answer in early {
+        let again = whole.iter().find(|other| other.id == answer.id).expect("the poll tells it again");
+        assert_eq!((again.at, &again.result), (answer.at, &answer.result));
+    }
+}
+
+#[test]
 fn an_unused_line_shows_no_transactions_a_second() {
     let line = Line::open(&["pir-234@1"]);
     line.read(target("pir-234@1"), &line.definition("pir-234"), "humidity").expect("a value");

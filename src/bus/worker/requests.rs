@@ -1,6 +1,7 @@
 //! Requests of one module: reads, polls, writes, actions, raw frames.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::super::dialogue::Speaker;
 use super::super::message::{BusCommand, BusEvent, ItemSet, RequestId};
@@ -23,7 +24,12 @@ pub struct Reading {
     patience: Patience,
     /// What is learned goes back to the watch.
     poll: bool,
+    /// When something of it was told last.
+    told: Instant,
 }
+
+/// On a slow line a poll takes seconds; what it has brought is told earlier, so that a recording has it in time.
+const TELL_AFTER: Duration = Duration::from_millis(300);
 
 fn not_offered(id: &str, target: Target) -> WriteError {
     WriteError::NotOffered { id: id.to_owned(), protocol: target.protocol }
@@ -86,7 +92,7 @@ impl Worker {
         if self.dialogue().is_err() {
             return false;
         }
-        let Some(due) = self.repeats.take_due(std::time::Instant::now()) else { return false };
+        let Some(due) = self.repeats.take_due(Instant::now()) else { return false };
         self.act(due.id, due.target, &due.definition, due.action);
         true
     }
@@ -231,8 +237,8 @@ impl Worker {
             let values = plan.all_failed(&failure, at);
             return self.tell(BusEvent::Read { id, target, at, values });
         }
-        let run = plan.begin(target.address);
-        self.reading = Some(Reading { id, target, plan, run, patience, poll });
+        let (run, told) = (plan.begin(target.address), self.line_time());
+        self.reading = Some(Reading { id, target, plan, run, patience, poll, told });
     }
 
     /// Asks the next question of the read under way, and tells its result when it was the last.
@@ -248,9 +254,20 @@ impl Worker {
             }
         };
         if more {
+            if reading.poll && self.line_time().saturating_duration_since(reading.told) >= TELL_AFTER {
+                self.tell_so_far(&mut reading);
+            }
             self.reading = Some(reading);
         } else {
             self.end_reading(reading);
+        }
+    }
+
+    fn tell_so_far(&mut self, reading: &mut Reading) {
+        reading.told = self.line_time();
+        let values = reading.plan.so_far(&reading.run);
+        if !values.is_empty() {
+            self.tell(BusEvent::Reading { id: reading.id, target: reading.target, values });
         }
     }
 

@@ -116,6 +116,17 @@ impl Places {
             }
         }
     }
+
+    /// Takes in the values that a poll under way has brought.
+    pub fn take_so_far(&mut self, roll: &mut Roll, id: RequestId, values: &Values) {
+        for Place { stage, .. } in &mut self.all {
+            if let Stage::Polled { id: of, definition, observer } = stage
+                && *of == id
+            {
+                values.iter().for_each(|answer| take_answer(roll, definition, observer, self.interval, answer));
+            }
+        }
+    }
 }
 
 impl Place {
@@ -175,16 +186,18 @@ fn take(
         }
         roll.history.add_event(entry.to_event(Some(observer.id())));
     }
-    for Answer { id, at, result } in values {
-        let item = definition.item(&id);
-        match result {
-            Err(_) => observer.missing(&mut roll.history, &id),
-            Ok(value) => {
-                let entry = item.and_then(|item| observer.value(&mut roll.history, item, at, &value, Some(interval)));
-                if let Some(entry) = entry {
-                    roll.history.add_event(entry.to_event(Some(observer.id())));
-                }
+    values.iter().for_each(|answer| take_answer(roll, definition, observer, interval, answer));
+}
+
+fn take_answer(roll: &mut Roll, definition: &Definition, observer: &mut Observer, interval: Duration, answer: &Answer) {
+    let Answer { id, at, result } = answer;
+    match (result, definition.item(id)) {
+        (Err(_), _) => observer.missing(&mut roll.history, id),
+        (Ok(value), Some(item)) => {
+            if let Some(entry) = observer.value(&mut roll.history, item, *at, value, Some(interval)) {
+                roll.history.add_event(entry.to_event(Some(observer.id())));
             }
         }
+        (Ok(_), None) => {}
     }
 }
