@@ -6,7 +6,7 @@ use super::trend::{Micros, Sample, Trend};
 /// Events kept in memory; the oldest are forgotten (a recording has them all).
 pub const MOST_EVENTS: usize = 200_000;
 /// Samples kept in memory, of all series together: 12 bytes each.
-const MOST_RESIDENT: usize = 3_000_000;
+const MOST_RESIDENT: usize = if cfg!(test) { 30_000 } else { 3_000_000 };
 
 /// A piece of news for a recording, in the order in which it came.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +33,8 @@ pub struct History {
     events: std::collections::VecDeque<Event>,
     /// Events that were forgotten, so that the n-th that ever was is known by its number.
     forgotten: u64,
+    /// How often an event was put before others that were there.
+    reordered: u64,
     /// What a recording has not been told yet; nothing while nobody records.
     news: Option<Vec<Record>>,
     /// Samples in memory, as it was counted last.
@@ -93,12 +95,25 @@ impl History {
             self.events.pop_front();
             self.forgotten = self.forgotten.saturating_add(1);
         }
-        self.events.push_back(event);
+        let place =
+            self.events.iter().rposition(|known| known.at <= event.at).map_or(0, |place| place.saturating_add(1));
+        if place < self.events.len() {
+            self.reordered = self.reordered.saturating_add(1);
+        }
+        self.events.insert(place, event);
     }
 
     /// Adds a series' stretch that is on the disk only; for whoever opens a recording.
     pub fn trend_mut(&mut self, id: SeriesId) -> Option<&mut Trend> {
         self.series.get_mut(place(id.0)).map(|series| &mut series.trend)
+    }
+
+    /// Takes in samples that are on the disk and were wanted ([`Trend::fill`]).
+    pub fn fill(&mut self, id: SeriesId, samples: &[Sample]) {
+        if let Some(series) = self.series.get_mut(place(id.0)) {
+            series.trend.fill(samples);
+            self.resident = self.resident.saturating_add(samples.len());
+        }
     }
 
     pub fn modules(&self) -> impl ExactSizeIterator<Item = (ModuleId, &ModuleInfo)> {
@@ -123,7 +138,7 @@ impl History {
         self.series.iter().position(is_it).map(series_id)
     }
 
-    /// Oldest first, by time of arrival.
+    /// Oldest first.
     pub fn events(&self) -> &std::collections::VecDeque<Event> {
         &self.events
     }
@@ -131,6 +146,11 @@ impl History {
     /// How many events were forgotten: the number of the oldest that is still there.
     pub fn events_forgotten(&self) -> u64 {
         self.forgotten
+    }
+
+    /// Changes when an event was put before others, so that places that were noted are not true any more.
+    pub fn events_reordered(&self) -> u64 {
+        self.reordered
     }
 
     /// First and last time of all samples, in microseconds.
@@ -239,6 +259,19 @@ mod tests {
     }
 
     #[test]
+    fn a_note_about_an_earlier_time_stands_among_the_events_of_that_time() {
+        let mut history = History::default();
+        for (second, text) in [(10, "a"), (20, "b"), (15, "note"), (20, "c")] {
+            let (module, kind, change) = (None, crate::record::EventKind::Note, None);
+            let at = crate::record::timestamp(second * 1_000_000);
+            history.add_event(Event { at, module, kind, text: text.into(), change });
+        }
+        let texts: Vec<&str> = history.events().iter().map(|event| event.text.as_str()).collect();
+        assert_eq!(texts, ["a", "note", "b", "c"]);
+        assert_eq!(history.events_reordered(), 1);
+    }
+
+    #[test]
     fn a_recording_that_begins_later_gets_to_know_what_there_is() {
         let (mut history, id) = history();
         history.push(id, 1, 2_499);
@@ -254,25 +287,25 @@ mod tests {
     #[test]
     fn without_a_recording_the_memory_is_bounded_and_the_newest_stay() {
         let (mut history, id) = history();
-        for at in 0..3_100_000 {
+        for at in 0..310_000 {
             history.push(id, at, at);
             history.tidy(None);
         }
         let trend = &history.get(id).unwrap().trend;
         assert!(trend.resident() <= MOST_RESIDENT);
-        assert_eq!(trend.last_sample().unwrap().at, 3_099_999);
+        assert_eq!(trend.last_sample().unwrap().at, 309_999);
         assert_eq!(trend.len(), trend.resident() as u64);
     }
 
     #[test]
     fn with_a_recording_nothing_is_forgotten() {
         let (mut history, id) = history();
-        for at in 0..3_100_000 {
+        for at in 0..310_000 {
             history.push(id, at, at);
             history.tidy(Some(at));
         }
         let trend = &history.get(id).unwrap().trend;
         assert!(trend.resident() <= MOST_RESIDENT);
-        assert_eq!(trend.len(), 3_100_000);
+        assert_eq!(trend.len(), 310_000);
     }
 }
