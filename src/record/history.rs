@@ -108,6 +108,14 @@ impl History {
         self.series.get_mut(place(id.0)).map(|series| &mut series.trend)
     }
 
+    /// Takes in samples that are on the disk and were wanted ([`Trend::fill`]).
+    pub fn fill(&mut self, id: SeriesId, samples: &[Sample]) {
+        if let Some(series) = self.series.get_mut(place(id.0)) {
+            series.trend.fill(samples);
+            self.resident = self.resident.saturating_add(samples.len());
+        }
+    }
+
     pub fn modules(&self) -> impl ExactSizeIterator<Item = (ModuleId, &ModuleInfo)> {
         self.modules.iter().enumerate().map(|(place, info)| (module_id(place), info))
     }

@@ -16,6 +16,8 @@ pub use history::{History, MOST_EVENTS, Record, Series};
 pub use objects::{
     Change, Event, EventKind, ModuleId, ModuleInfo, SeriesId, SeriesInfo, SeriesKind, micros_of, timestamp,
 };
-pub use store::{Archive, Destination, Keeping, Recorder, Recording, RecordingStatus, StoreError, Viewer};
+pub use store::{
+    Archive, Destination, Fetcher, Files, Keeping, Recorder, Recording, RecordingStatus, StoreError, Viewer,
+};
 pub use trend::{BLOCK, Block, Columns, Micros, Node, Point, Sample, Statistics, Trend, micros, seconds};
 pub use writer::FileWriter;
