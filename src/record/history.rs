@@ -111,8 +111,8 @@ impl History {
     /// Takes in samples that are on the disk and were wanted ([`Trend::fill`]).
     pub fn fill(&mut self, id: SeriesId, samples: &[Sample]) {
         if let Some(series) = self.series.get_mut(place(id.0)) {
-            series.trend.fill(samples);
-            self.resident = self.resident.saturating_add(samples.len());
+            let more = series.trend.fill(samples);
+            self.resident = self.resident.saturating_add(more);
         }
     }
 
@@ -199,10 +199,11 @@ impl History {
 
     /// First what was never looked at since long, then the rest.
     fn give_up(&mut self, saved: Micros, wanted: usize) {
-        for looks in [256, 16, 0] {
+        // What is in view now stays, however much it is: it would only be fetched again.
+        for looks in [256, 32, 4] {
             for series in &mut self.series {
-                let look = series.trend.look();
-                let given_up = series.trend.give_up(saved, look.saturating_sub(looks));
+                let look = series.trend.looks().saturating_sub(looks);
+                let given_up = series.trend.give_up(saved, look);
                 self.resident = self.resident.saturating_sub(given_up);
                 if self.resident <= wanted {
                     return;

@@ -108,7 +108,7 @@ fn what_a_live_history_gave_up_comes_back_when_it_is_looked_at() {
     let whole = draw(&history);
     let saved = watched.recorder.status().saved_until.unwrap();
     let trend = history.trend_mut(id).unwrap();
-    let look = trend.look();
+    let look = trend.looks();
     assert!(trend.give_up(saved, look) > 39_000);
     assert_ne!(draw(&history), whole);
 

@@ -221,7 +221,7 @@ fn what_is_on_the_disk_only_is_fetched() {
     let blocks = history.get(id).unwrap().trend.blocks();
     let samples: Vec<Sample> = blocks.iter().flat_map(|block| block.samples.as_ref().unwrap().iter()).collect();
     let trend = history.trend_mut(id).unwrap();
-    let look = trend.look();
+    let look = trend.looks();
     assert!(trend.give_up(Micros::MAX, look) > 4_000);
     let source = Source::new(&history, &[id], None, None, Some(Box::new(Shelf(samples))));
     assert_eq!(text(source, Format::Csv, Rows::PerSample), in_memory);

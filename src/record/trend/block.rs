@@ -11,6 +11,9 @@ pub const BLOCK: usize = 512;
 /// Samples whose lowest and highest are known without looking at each.
 pub const GROUP: usize = 16;
 
+/// Samples that take the room of a group of a sketch.
+const SKETCH_COSTS: usize = 3;
+
 /// Samples column by column: twelve bytes each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
@@ -83,18 +86,89 @@ impl Columns {
     }
 }
 
+/// What is known of each group of a block: enough to draw it from a little farther away, in a sixth of the room.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sketch {
+    first: Micros,
+    groups: Vec<Group>,
+    /// The longest time from a group's first sample to its last.
+    widest: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Group {
+    /// Microseconds after the block's first sample.
+    first: u32,
+    last: u32,
+    low: i64,
+    high: i64,
+    low_first: bool,
+    gap: bool,
+}
+
+impl Sketch {
+    pub fn of(samples: &Columns) -> Self {
+        let groups: Vec<Group> = (0..samples.extremes.len()).filter_map(|group| samples.group(group)).collect();
+        let widest = groups.iter().map(|group| group.last.saturating_sub(group.first)).max().unwrap_or_default();
+        Self { first: samples.first, groups, widest }
+    }
+
+    /// Of each group two samples, near enough at the times of its lowest and its highest one.
+    pub fn iter(&self) -> impl Iterator<Item = [Sample; 2]> {
+        self.groups.iter().map(|group| {
+            let Group { first, last, low, high, low_first, gap } = *group;
+            let (before, after) = if low_first { (low, high) } else { (high, low) };
+            let at = |offset: u32| self.first.saturating_add(i64::from(offset));
+            [Sample { at: at(first), value: before, gap }, Sample { at: at(last), value: after, gap: false }]
+        })
+    }
+
+    /// Whether no group is wider than a column of so many microseconds.
+    pub fn is_fine_enough(&self, column: f64) -> bool {
+        f64::from(self.widest) <= column
+    }
+}
+
+impl Columns {
+    fn group(&self, group: usize) -> Option<Group> {
+        let begin = group.checked_mul(GROUP)?;
+        let end = begin.saturating_add(GROUP).min(self.len()).checked_sub(1)?;
+        let [earlier, later] = self.extremes(group)?;
+        let low_first = earlier.value <= later.value;
+        let (low, high) = (earlier.value.min(later.value), earlier.value.max(later.value));
+        let (first, last) = (*self.offsets.get(begin)?, *self.offsets.get(end)?);
+        Some(Group { first, last, low, high, low_first, gap: self.get(begin)?.gap })
+    }
+}
+
 /// A block with what is known of it. The samples themselves may be on the disk only.
 #[derive(Debug, Clone)]
 pub struct Block {
     pub node: Node,
     pub samples: Option<Arc<Columns>>,
-    /// When the samples were looked at last, counted in looks.
-    pub used: Cell<u32>,
+    /// In place of the samples where they are not needed one by one.
+    pub(super) sketch: Option<Arc<Sketch>>,
+    /// When the samples come they are wanted as a sketch only.
+    pub(super) coarse: bool,
+    /// When it was looked at last, counted in looks; 0 is never.
+    pub(super) used: Cell<u32>,
 }
 
 impl Block {
+    pub(super) fn new(node: Node, samples: Option<Arc<Columns>>) -> Self {
+        Self { node, samples, sketch: None, coarse: false, used: Cell::default() }
+    }
+
+    /// Samples in memory; a sketch counts as so many as would take its room.
     pub fn resident(&self) -> usize {
-        self.samples.as_ref().map_or(0, |samples| samples.len())
+        let sketch = self.sketch.as_ref().map_or(0, |sketch| sketch.groups.len().saturating_mul(SKETCH_COSTS));
+        self.samples.as_ref().map_or(0, |samples| samples.len()).saturating_add(sketch)
+    }
+
+    /// Whether the samples' lowest and highest in groups would do for columns of so many microseconds.
+    pub(super) fn is_coarse_enough(&self, column: f64) -> bool {
+        let samples = self.node.count.max(1) as f64;
+        self.node.width() as f64 * GROUP as f64 / samples <= column
     }
 }
 
@@ -117,6 +191,21 @@ mod tests {
         assert!(samples.iter().all(|sample| columns.push(*sample)));
         assert_eq!(columns.iter().collect::<Vec<_>>(), samples);
         assert_eq!(columns.count_before(50_000_000), 50);
+    }
+
+    #[test]
+    fn a_sketch_has_the_extremes_of_each_group() {
+        let mut columns = Columns::default();
+        (0..40).for_each(|i| assert!(columns.push(Sample { at: i, value: (i * 7) % 16, gap: i == 16 })));
+        let sketch = Sketch::of(&columns);
+        let sample = |at, value, gap| Sample { at, value, gap };
+        let expected = [
+            [sample(0, 0, false), sample(15, 15, false)],
+            [sample(16, 0, true), sample(31, 15, false)],
+            [sample(32, 0, false), sample(39, 14, false)],
+        ];
+        assert_eq!(sketch.iter().collect::<Vec<_>>(), expected);
+        assert!(sketch.is_fine_enough(15.0) && !sketch.is_fine_enough(14.0));
     }
 
     #[test]

@@ -7,8 +7,8 @@ use super::{FAN, LEVELS, Micros, Point, Sample, Trend, micros, seconds};
 impl Trend {
     /// What to draw between two times, one line for each unbroken stretch; of each of `columns` equal spans at most its
     /// lowest and highest sample, in order of time, so that no peak is hidden. One sample beyond each end is included, so
-    /// that lines reach the edges. A gap narrower than a column is not seen; samples that are on the disk only are left
-    /// out until they are there.
+    /// that lines reach the edges. A gap narrower than a column is not seen; of samples that are on the disk only the
+    /// lowest and highest are drawn until they are there.
     ///
     /// The cost depends on `columns`, not on the number of samples.
     pub fn lines(&self, from: f64, to: f64, columns: usize) -> Vec<Vec<Point>> {
@@ -67,10 +67,7 @@ impl Walk<'_, '_> {
             return true;
         }
         let Some(below) = level.checked_sub(1) else {
-            match self.trend.samples(index) {
-                Ok(samples) => self.samples(samples),
-                Err(_) => self.pen.lift(),
-            }
+            self.block(index);
             return true;
         };
         let children = index.saturating_mul(FAN)..index.saturating_add(1).saturating_mul(FAN);
@@ -80,6 +77,22 @@ impl Walk<'_, '_> {
             }
         }
         true
+    }
+
+    fn block(&mut self, index: usize) {
+        let Some(block) = self.trend.blocks.get(index) else { return };
+        block.used.set(self.trend.looks());
+        if let Some(samples) = &block.samples {
+            return self.samples(samples);
+        }
+        let enough = block.sketch.as_ref().is_some_and(|sketch| sketch.is_fine_enough(self.width));
+        if !enough {
+            self.trend.want(index, block.sketch.is_none() && block.is_coarse_enough(self.width));
+        }
+        match &block.sketch {
+            Some(sketch) => sketch.iter().flatten().for_each(|sample| self.pen.sample(sample)),
+            None => self.pen.node(&block.node),
+        }
     }
 
     fn samples(&mut self, samples: &Columns) {

@@ -15,6 +15,7 @@ mod tests;
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
+use block::Sketch;
 pub use block::{BLOCK, Block, Columns};
 pub use node::Node;
 pub use statistics::Statistics;
@@ -53,7 +54,15 @@ pub struct Trend {
     /// Looks so far, by which it is known what was not looked at for long.
     looks: Cell<u32>,
     /// Stretches that were looked at and are not in memory.
-    wanted: RefCell<Vec<[Micros; 2]>>,
+    wanted: RefCell<Vec<Want>>,
+}
+
+/// A block whose samples are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Want {
+    block: usize,
+    /// A sketch is enough.
+    coarse: bool,
 }
 
 /// Microseconds since 1970 of a time in seconds.
@@ -99,7 +108,7 @@ impl Trend {
         }
         self.gap = false;
         self.last = Some(last);
-        self.blocks.push(Block { node, samples: None, used: Cell::default() });
+        self.blocks.push(Block::new(node, None));
         self.lift(self.blocks.len().saturating_sub(1), &node);
     }
 
@@ -112,8 +121,7 @@ impl Trend {
         }
         let mut columns = Columns::default();
         let taken = columns.push(sample);
-        let used = Cell::new(self.looks.get());
-        self.blocks.push(Block { node: *node, samples: Some(Arc::new(columns)), used });
+        self.blocks.push(Block::new(*node, Some(Arc::new(columns))));
         taken
     }
 
@@ -208,23 +216,36 @@ impl Trend {
         if let Some(samples) = &block.samples {
             return Ok(samples);
         }
-        let mut wanted = self.wanted.borrow_mut();
-        let stretch = [block.node.first, block.node.last];
-        if wanted.len() < MOST_WANTED && !wanted.contains(&stretch) {
-            wanted.push(stretch);
-        }
+        self.want(index, false);
         Err(Absent)
+    }
+
+    fn want(&self, block: usize, coarse: bool) {
+        let mut wanted = self.wanted.borrow_mut();
+        if let Some(want) = wanted.iter_mut().find(|want| want.block == block) {
+            want.coarse &= coarse;
+        } else if wanted.len() < MOST_WANTED {
+            wanted.push(Want { block, coarse });
+        }
     }
 
     /// The stretches that were looked at since this was last asked and are on the disk only: first and last time.
     pub fn take_wanted(&mut self) -> Vec<[Micros; 2]> {
-        self.wanted.take()
+        let mut stretches = Vec::new();
+        for Want { block, coarse } in self.wanted.take() {
+            if let Some(block) = self.blocks.get_mut(block) {
+                block.coarse = coarse;
+                stretches.push([block.node.first, block.node.last]);
+            }
+        }
+        stretches
     }
 
     /// Takes in the samples of stretches that were wanted, in order of time; what belongs to no such stretch as a whole
-    /// is left out.
-    pub fn fill(&mut self, samples: &[Sample]) {
-        let Some(from) = samples.first() else { return };
+    /// is left out. How many more samples are in memory now.
+    pub fn fill(&mut self, samples: &[Sample]) -> usize {
+        let mut more = 0usize;
+        let Some(from) = samples.first() else { return more };
         let begin = self.blocks.partition_point(|block| block.node.first < from.at);
         let mut rest = samples;
         for block in self.blocks.iter_mut().skip(begin) {
@@ -232,16 +253,16 @@ impl Trend {
             let (of_block, after) = rest.split_at_checked(inside).unwrap_or((rest, &[]));
             rest = after;
             if block.samples.is_none() && of_block.len() as u64 == block.node.count {
-                let mut columns = Columns::default();
-                if of_block.iter().all(|sample| columns.push(*sample)) {
-                    block.used.set(self.looks.get());
-                    block.samples = Some(Arc::new(columns));
-                }
+                let before = block.resident();
+                take_in(block, of_block);
+                block.used.set(self.looks.get());
+                more = more.saturating_add(block.resident().saturating_sub(before));
             }
             if rest.is_empty() {
                 break;
             }
         }
+        more
     }
 
     /// Gives up the samples of a full block that end before `saved`, if they were looked at last at `look` or before. The
@@ -249,7 +270,12 @@ impl Trend {
     pub fn give_up(&mut self, saved: Micros, look: u32) -> usize {
         let last = self.blocks.len().saturating_sub(1);
         let old = self.blocks.iter_mut().take(last).filter(|block| block.node.last < saved && block.used.get() <= look);
-        old.map(|block| block.samples.take().map_or(0, |samples| samples.len())).sum()
+        old.map(|block| {
+            let resident = block.resident();
+            (block.samples, block.sketch) = (None, None);
+            resident
+        })
+        .sum()
     }
 
     /// Forgets the oldest samples, so many at least, as whole blocks: for histories that are kept in memory only.
@@ -274,10 +300,27 @@ impl Trend {
         forgotten
     }
 
-    /// How often it was looked at: what is drawn from now on counts as looked at later.
-    pub fn look(&self) -> u32 {
-        self.looks.set(self.looks.get().wrapping_add(1));
+    /// How often it was looked at.
+    pub fn looks(&self) -> u32 {
         self.looks.get()
+    }
+
+    /// Begins a look: what is drawn from now on counts as looked at later.
+    fn look(&self) {
+        self.looks.set(self.looks.get().saturating_add(1));
+    }
+}
+
+/// The samples of the whole block have come.
+fn take_in(block: &mut Block, samples: &[Sample]) {
+    let mut columns = Columns::default();
+    if !samples.iter().all(|sample| columns.push(*sample)) {
+        return;
+    }
+    if block.coarse {
+        block.sketch = Some(Arc::new(Sketch::of(&columns)));
+    } else {
+        (block.samples, block.sketch) = (Some(Arc::new(columns)), None);
     }
 }
 

@@ -68,7 +68,7 @@ fn what_was_given_up_is_wanted_when_looked_at_and_comes_back() {
     let expected = whole.lines(1_000.0, 1_100.0, 1_000);
     let all: Vec<Sample> =
         whole.blocks().iter().flat_map(|block| block.samples.iter()).flat_map(|samples| samples.iter()).collect();
-    let look = whole.look();
+    let look = whole.looks();
     assert_eq!(whole.give_up(Micros::MAX, look), 9 * BLOCK);
     assert_eq!(whole.resident(), 5_000 - 9 * BLOCK);
     assert_eq!(whole.len(), 5_000);
@@ -85,10 +85,45 @@ fn what_was_given_up_is_wanted_when_looked_at_and_comes_back() {
     assert!(whole.take_wanted().is_empty());
 }
 
+/// Draws until nothing is wanted any more.
+fn drawn(trend: &mut Trend, all: &[Sample], from: f64, to: f64, columns: usize) -> Vec<Vec<Point>> {
+    loop {
+        let lines = trend.lines(from, to, columns);
+        let wanted = trend.take_wanted();
+        if wanted.is_empty() {
+            return lines;
+        }
+        for [from, to] in wanted {
+            let begin = all.partition_point(|sample| sample.at < from);
+            let end = all.partition_point(|sample| sample.at <= to);
+            trend.fill(&all[begin..end]);
+        }
+    }
+}
+
+#[test]
+fn what_is_on_the_disk_is_drawn_from_sketches_until_each_sample_counts() {
+    let values = |i: i64| (i * 37) % 101 + if i == 33_333 { 500 } else { 0 };
+    let mut whole = trend((0..100_000).map(values));
+    let all: Vec<Sample> =
+        whole.blocks().iter().flat_map(|block| block.samples.iter()).flat_map(|samples| samples.iter()).collect();
+    let complete = whole.clone();
+    whole.give_up(Micros::MAX, u32::MAX);
+
+    // 50 samples in each of 1000 columns: groups of 16 are enough.
+    let lines = drawn(&mut whole, &all, 20_000.0, 70_000.0, 1_000);
+    let highest = |lines: &[Vec<Point>]| lines.iter().flatten().map(|point| point[1]).fold(0.0, f64::max);
+    assert_eq!(highest(&lines), highest(&complete.lines(20_000.0, 70_000.0, 1_000)));
+    assert!(whole.resident() < 50_000 / 4, "{} samples' room", whole.resident());
+
+    let lines = drawn(&mut whole, &all, 33_000.0, 33_700.0, 1_000);
+    assert_eq!(lines, complete.lines(33_000.0, 33_700.0, 1_000), "each sample is seen");
+}
+
 #[test]
 fn a_look_from_far_needs_no_samples() {
     let mut whole = trend((0..100_000).map(|i| i64::from(i == 77_777)));
-    let look = whole.look();
+    let look = whole.looks();
     whole.give_up(Micros::MAX, look);
     let lines = whole.lines(-1.0, 100_000.0, 100);
     assert!(lines[0].iter().any(|point| point[1] == 1.0));
@@ -99,7 +134,7 @@ fn a_look_from_far_needs_no_samples() {
 #[test]
 fn statistics_wait_for_samples_that_are_on_the_disk() {
     let mut whole = trend(0..5_000);
-    let look = whole.look();
+    let look = whole.looks();
     whole.give_up(Micros::MAX, look);
     assert_eq!(whole.statistics(100.0, 4_000.0), None);
     assert!(!whole.take_wanted().is_empty());
