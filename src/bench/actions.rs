@@ -83,6 +83,8 @@ pub enum Action {
     AddDefinition(PathBuf),
     /// Tell something that happened in the window itself.
     Notify(Severity, String),
+    /// Tell that a file was written, so that its folder can be shown.
+    TellOfFile(String, PathBuf),
     ClearNotices,
     /// Record from now on.
     Record(Destination),
@@ -147,6 +149,7 @@ impl Bench {
             Action::Simulated(target, what) => self.do_simulated(&target, what),
             Action::AddDefinition(path) => self.add_definition(&path),
             Action::Notify(severity, text) => self.notify(severity, text),
+            Action::TellOfFile(text, path) => self.tell(Severity::Info, text, Some(path)),
             Action::ClearNotices => self.notices.clear(),
             Action::Record(destination) => self.start_recording(destination),
             Action::StopRecording => self.stop_recording(),

@@ -20,6 +20,7 @@ pub mod traffic;
 mod writing;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -110,6 +111,8 @@ pub struct Bench {
     looking: BTreeSet<RequestId>,
     history: History,
     recording: Option<recording::Recording>,
+    /// What was recorded since the start.
+    shelf: recording::Shelf,
     opened: BTreeMap<RecordingId, Viewer>,
     /// Called by threads when there is something new to show.
     wake: Arc<dyn Fn() + Send + Sync>,
@@ -136,6 +139,7 @@ impl Bench {
             looking: BTreeSet::new(),
             history: History::default(),
             recording: None,
+            shelf: recording::Shelf::default(),
             opened: BTreeMap::new(),
             wake: Arc::new(|| {}),
         };
@@ -236,11 +240,15 @@ impl Bench {
     }
 
     fn notify(&mut self, severity: Severity, text: String) {
+        self.tell(severity, text, None);
+    }
+
+    fn tell(&mut self, severity: Severity, text: String, file: Option<PathBuf>) {
         if self.notices.len() >= NOTICES_KEPT {
             self.notices.pop_front();
         }
         let at = self.now();
-        self.notices.push_back(Notice { at, severity, text });
+        self.notices.push_back(Notice { at, severity, text, file });
     }
 
     fn module_and_history(&mut self, target: &Target) -> Option<(&mut Module, &mut History)> {

@@ -1,5 +1,7 @@
 //! Messages for the user, kept to look back at.
 
+use std::path::PathBuf;
+
 use jiff::Timestamp;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,4 +17,6 @@ pub struct Notice {
     pub at: Timestamp,
     pub severity: Severity,
     pub text: String,
+    /// A file that was written; its folder can be shown.
+    pub file: Option<PathBuf>,
 }

@@ -1,12 +1,20 @@
 //! What was measured and what happened: kept in memory, and handed to a recording.
 
+mod shelf;
+#[cfg(test)]
+mod tests;
+
 use std::path::PathBuf;
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::{Bench, Module, Severity};
-use crate::record::{Destination, Event, EventKind, History, Recorder, RecordingStatus, Viewer};
+use crate::record::{
+    Archive, Destination, Event, EventKind, History, Micros, Recorder, Recording as RecordingFile, RecordingStatus,
+    Sample, SeriesId, StoreError, Viewer,
+};
+pub(super) use shelf::Shelf;
 
 /// Recordings that may be open at a time.
 const MOST_OPEN: usize = 8;
@@ -41,6 +49,18 @@ impl Bench {
         self.opened.get(&id)
     }
 
+    /// Who has the samples of a history that are not in memory: an opened recording, or the files recorded since the
+    /// start. To be asked on another thread.
+    pub fn archive(&self, opened: Option<RecordingId>) -> Option<Box<dyn Archive>> {
+        match opened {
+            None => self.shelf.archive(),
+            Some(id) => {
+                let path = self.opened_recording(id)?.path().to_owned();
+                Some(Box::new(LateArchive { path, recording: None }))
+            }
+        }
+    }
+
     /// Opens a recording to be looked at; one that is open already is not opened again.
     pub(super) fn open_recording(&mut self, path: PathBuf) {
         if self.opened.values().any(|viewer| viewer.path() == path) {
@@ -65,21 +85,39 @@ impl Bench {
         self.opened.remove(&id);
     }
 
-    /// Takes in what was read of opened recordings. True if anything changed.
+    /// Takes in what was read of opened recordings, and of what the live history has given up. True if anything changed.
     pub(super) fn pump_recordings(&mut self) -> bool {
-        self.opened.values_mut().map(Viewer::pump).fold(false, |any, changed| any | changed)
+        let mut problems = Vec::new();
+        let mut changed = self.shelf.pump(&mut self.history);
+        problems.extend(self.shelf.new_problem());
+        for viewer in self.opened.values_mut() {
+            let before = viewer.problem().cloned();
+            changed |= viewer.pump();
+            // One that cannot be shown at all says so in its place.
+            let is_new = viewer.history().is_some() && viewer.problem() != before.as_ref();
+            problems.extend(viewer.problem().filter(|_| is_new).map(ToString::to_string));
+        }
+        changed |= !problems.is_empty();
+        problems.into_iter().for_each(|problem| self.notify(Severity::Warning, problem));
+        changed
     }
 
-    /// Records from now on; what was recorded before is closed.
+    /// Records from now on; what was recorded before is closed. What is in memory and in no file yet goes into the new one.
     pub(super) fn start_recording(&mut self, destination: Destination) {
         self.stop_recording();
         match Recorder::start(destination, {
             let wake = self.wake.clone();
             move || wake()
         }) {
-            Ok(recorder) => {
+            Ok(mut recorder) => {
                 self.history.begin_news();
-                let status = recorder.status();
+                recorder.put(self.history.take_news());
+                self.shelf.hand_over_missed(&self.history, |missed| recorder.put(missed));
+                if let Err(error) = self.shelf.add(recorder.archive(), &self.wake) {
+                    log::warn!("what is given up is not fetched again: {error}");
+                }
+                // What is wrong from the first is told like everything else.
+                let status = RecordingStatus { problem: None, ..recorder.status() };
                 self.recording = Some(Recording { recorder, status });
             }
             Err(error) => {
@@ -89,51 +127,103 @@ impl Bench {
         }
     }
 
-    /// Writes what waits and closes the file.
+    /// Writes what waits and closes the file, on a thread of its own: a disk may be slow.
     pub(super) fn stop_recording(&mut self) {
         self.hand_over_news();
         self.history.end_news();
         let Some(Recording { recorder, .. }) = self.recording.take() else { return };
-        if let Err(error) = recorder.finish() {
-            self.notify(Severity::Error, error.to_string());
+        self.shelf.note_end(&self.history);
+        self.shelf.finish(recorder, &self.wake);
+    }
+
+    /// Stops recording and waits until everything is written, but not for ever; for the end of the program. What could not
+    /// be written.
+    pub fn end_recording(&mut self) -> Vec<String> {
+        self.stop_recording();
+        self.shelf.wait()
+    }
+
+    fn tell_of_ends(&mut self) {
+        for problem in self.shelf.take_problems() {
+            self.notify(Severity::Error, problem);
         }
     }
 
     /// A remark of the user about a time.
     pub(super) fn add_note(&mut self, at: Timestamp, text: String) {
-        self.history.add_event(Event { at, module: None, kind: EventKind::Note, text, change: None });
+        self.add_event(Event { at, module: None, kind: EventKind::Note, text, change: None });
         self.hand_over_news();
     }
 
     /// Something that concerns the whole line.
     pub(super) fn note_line(&mut self, kind: EventKind, text: String) {
         let at = self.now();
-        self.history.add_event(Event { at, module: None, kind, text, change: None });
+        self.add_event(Event { at, module: None, kind, text, change: None });
+    }
+
+    fn add_event(&mut self, event: Event) {
+        if self.recording.is_none() {
+            self.shelf.note_event(event.clone());
+        }
+        self.history.add_event(event);
     }
 
     /// Tells the recording what is new, and looks how it fares.
     pub(super) fn hand_over_news(&mut self) {
-        let Self { modules, history, recording, .. } = self;
-        modules.iter_mut().for_each(|module| note_entries(module, history));
+        self.tell_of_ends();
+        take_entries(&mut self.modules).into_iter().for_each(|event| self.add_event(event));
+        let Self { history, recording, .. } = self;
         let Some(Recording { recorder, status }) = recording else { return history.tidy(None) };
         let news = history.take_news();
         if !news.is_empty() {
             recorder.put(news);
         }
         let before = std::mem::replace(status, recorder.status());
+        // What was measured before it began was handed over too.
         history.tidy(Some(status.saved_until.unwrap_or(i64::MIN)));
-        let problem = status.problem.clone();
-        if problem != before.problem {
-            match problem {
-                Some(problem) => self.notify(Severity::Error, format!("Nothing is recorded: {problem}")),
-                None => self.notify(Severity::Info, "The recording is complete again".to_owned()),
+        let (problem, lost) = (status.problem.clone(), status.lost > before.lost && before.lost == 0);
+        match (before.problem, problem) {
+            (_, Some(problem)) if lost => self.notify(Severity::Error, format!("Samples are lost: {problem}")),
+            // The words may change with each attempt, but the user knows.
+            (None, Some(problem)) => {
+                self.notify(Severity::Error, format!("What is measured waits in memory: {problem}"));
             }
+            (Some(_), None) => {
+                self.notify(Severity::Info, "The recording is written again, with what waited".to_owned());
+            }
+            _ => {}
         }
     }
 }
 
-/// What the module's journal has and the history of all modules has not.
-fn note_entries(module: &mut Module, history: &mut History) {
-    let id = module.history_id();
-    module.journal.take_news().for_each(|entry| history.add_event(entry.to_event(id)));
+/// What the modules' journals have and the history of all modules has not, in order of time.
+fn take_entries(modules: &mut [Module]) -> Vec<Event> {
+    let mut events = Vec::new();
+    for module in modules {
+        let id = module.history_id();
+        events.extend(module.journal.take_news().map(|entry| entry.to_event(id)));
+    }
+    events.sort_by_key(|event| event.at);
+    events
+}
+
+/// A recording that is opened when it is asked first, on the thread that asks.
+struct LateArchive {
+    path: PathBuf,
+    recording: Option<RecordingFile>,
+}
+
+impl Archive for LateArchive {
+    fn samples(&mut self, series: SeriesId, from: Micros, to: Micros) -> Result<Vec<Sample>, StoreError> {
+        let recording = match &mut self.recording {
+            Some(recording) => recording,
+            none => {
+                let mut recording = RecordingFile::open(&self.path)?;
+                // The series are numbered as in the history that was shown.
+                recording.load()?;
+                none.insert(recording)
+            }
+        };
+        recording.samples(series, from, to)
+    }
 }

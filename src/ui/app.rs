@@ -1,6 +1,7 @@
 //! The window as a whole: takes in events, lets each part draw itself, and carries out what was asked for.
 
 use std::borrow::Cow;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel};
@@ -13,9 +14,11 @@ use super::init_guide::InitGuide;
 use super::notices::Notices;
 use super::panes::{Pane, Panes};
 use super::poll_plan::PollPlan;
+use super::recording::Recordings;
 use super::saving::SaveAs;
 use super::scan_form::ScanForm;
 use super::settings::{LineChoice, Settings, SettingsFile};
+use super::trends::export::{self, ExportForm};
 use super::{connect, module_list, notices, scan_form, status, theme};
 use crate::bench::{Action, Bench, LineState, Severity};
 use crate::bus::{BusEvent, LineAddress};
@@ -44,6 +47,10 @@ pub struct Pass<'a> {
     pub confirm: &'a mut Option<Confirm>,
     /// A file to be written; the user is asked where.
     pub save: &'a mut Option<SaveAs>,
+    /// Readings to be taken away; the user is asked which and how.
+    pub export: &'a mut Option<export::Wanted>,
+    /// What concerns recording.
+    pub recordings: &'a mut Recordings,
     /// Panes that the user wants closed.
     pub closing: &'a mut Vec<Pane>,
     /// Commands that were chosen or typed; they are carried out when everything is drawn.
@@ -65,6 +72,8 @@ pub struct App {
     dialogs: Dialogs,
     init_guide: InitGuide,
     poll_plan: PollPlan,
+    recordings: Recordings,
+    export_form: ExportForm,
     /// What was chosen before a demonstration, which is not to be remembered.
     line_before_demo: Option<LineChoice>,
     /// Where the settings are kept; nowhere in tests.
@@ -88,6 +97,8 @@ impl App {
             dialogs: Dialogs::default(),
             init_guide: InitGuide::default(),
             poll_plan: PollPlan::default(),
+            recordings: Recordings::default(),
+            export_form: ExportForm::default(),
             line_before_demo: None,
             settings_file: None,
         };
@@ -108,6 +119,14 @@ impl App {
     /// Asks for files in a field of the window from now on, and not with the system's dialog.
     pub fn without_system_dialogs(mut self) -> Self {
         self.dialogs.only_field = true;
+        self.recordings.without_file_manager();
+        self
+    }
+
+    /// Begins to record by itself when the first module is polled: into `folder`, unless the settings name another or want
+    /// no recording.
+    pub fn recording_in(mut self, folder: Option<PathBuf>) -> Self {
+        self.recordings.begin_by_itself(folder);
         self
     }
 
@@ -130,9 +149,23 @@ impl App {
         match &action {
             Action::Show(target) => self.panes.open(Pane::Module(*target)),
             Action::Remove(target) => self.panes.close(Pane::Module(*target)),
+            Action::OpenRecording(path) => {
+                let path = path.clone();
+                self.bench.apply(action);
+                let opened = self.bench.opened().find(|(_, viewer)| viewer.path() == path).map(|(id, _)| id);
+                return opened.into_iter().for_each(|id| self.panes.open(Pane::Recording(id)));
+            }
             _ => {}
         }
         self.bench.apply(action);
+    }
+
+    fn close(&mut self, pane: Pane) {
+        self.panes.close(pane);
+        if let Pane::Recording(id) = pane {
+            self.panes.forget(id);
+            self.bench.apply(Action::CloseRecording(id));
+        }
     }
 
     pub fn settings(&self) -> &Settings {
@@ -170,11 +203,24 @@ impl App {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
-        let Self { bench, settings, connect, scan_form, panes, guard, notices, dialogs, init_guide, poll_plan, .. } =
-            self;
+        let Self {
+            bench,
+            settings,
+            connect,
+            scan_form,
+            panes,
+            guard,
+            notices,
+            dialogs,
+            init_guide,
+            poll_plan,
+            recordings,
+            export_form,
+            ..
+        } = self;
         let palette = theme::palette(ui);
         let mut show_plan = false;
-        let (mut confirm, mut save, mut closing, mut commands) = (None, None, Vec::new(), Vec::new());
+        let (mut confirm, mut save, mut export, mut closing, mut commands) = (None, None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
             bench,
             settings,
@@ -182,6 +228,8 @@ impl App {
             actions,
             confirm: &mut confirm,
             save: &mut save,
+            export: &mut export,
+            recordings,
             closing: &mut closing,
             commands: &mut commands,
             poll_plan: &mut show_plan,
@@ -220,14 +268,16 @@ impl App {
         if let Some(save) = save {
             dialogs.ask_to_save(ui.ctx(), save);
         }
+        if let Some(wanted) = export {
+            export_form.open(wanted, settings);
+        }
+        export_form.show(ui.ctx(), bench, dialogs);
+        recordings.show(ui.ctx(), bench, settings, dialogs, actions);
         if let Some(confirm) = confirm {
             guard.confirm(confirm);
         }
-        for pane in closing {
-            if guard.close(bench, pane) {
-                panes.close(pane);
-            }
-        }
+        let closed: Vec<Pane> = closing.into_iter().filter(|pane| guard.close(bench, *pane)).collect();
+        closed.into_iter().for_each(|pane| self.close(pane));
     }
 
     /// Asks what has to be asked, and does what was decided.
@@ -236,7 +286,16 @@ impl App {
         let outcome = self.guard.show(ctx, &self.bench);
         outcome.actions.into_iter().for_each(|action| self.carry_out(action));
         if let Some(pane) = outcome.close {
-            self.panes.close(pane);
+            self.close(pane);
+        }
+    }
+
+    /// Opens what was dropped onto the window.
+    fn take_dropped(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        for path in dropped.iter().map(|file| file.path().to_owned()) {
+            self.apply(Action::OpenRecording(path));
+            ctx.request_repaint();
         }
     }
 }
@@ -257,6 +316,9 @@ impl eframe::App for App {
         if let LineState::Open { line } = self.bench.line() {
             self.settings.note_line(line);
         }
+        if let Some(action) = self.recordings.begin(&self.bench, &self.settings) {
+            self.bench.apply(action);
+        }
         if self.bench.modules().iter().any(|module| module.interval.is_some()) {
             ctx.request_repaint_after(AGES_EVERY);
         }
@@ -272,6 +334,7 @@ impl eframe::App for App {
         }
         actions.into_iter().for_each(|action| self.apply(action));
         self.ask(ui.ctx());
+        self.take_dropped(ui.ctx());
         self.keep_settings(ui.ctx());
     }
 
@@ -288,5 +351,6 @@ impl eframe::App for App {
         if let Some(text) = self.keep_settings_now() {
             log::warn!("{text}");
         }
+        self.bench.end_recording().into_iter().for_each(|text| log::warn!("{text}"));
     }
 }

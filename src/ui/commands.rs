@@ -7,6 +7,7 @@ use super::app::Pass;
 use super::connect::{self, Ready};
 use super::module_view;
 use super::panes::{Pane, Panes};
+use super::recording::Wish;
 use super::settings;
 use crate::bench::{Action, Bench, DEFAULT_INTERVAL, LineState, Module};
 
@@ -31,6 +32,9 @@ pub enum Command {
     Dashboard,
     Traffic,
     Trends,
+    ToggleRecording,
+    OpenRecording,
+    ExportReadings,
     Beside,
     OwnWindow,
     ClosePane,
@@ -46,10 +50,11 @@ use Command::*;
 pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll, PollPlan];
 pub const MODULE: &[Command] = &[ReadAgain, WriteAll, RevertAll, TogglePolling, NextTab, PreviousTab, Remove];
 pub const TABS: &[Command] = &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Beside, OwnWindow, ClosePane];
+pub const RECORDING: &[Command] = &[ToggleRecording, OpenRecording, ExportReadings];
 pub const SIZE: &[Command] = &[Larger, Smaller, NormalSize];
 pub const PROGRAM: &[Command] = &[Quit];
 
-const GROUPS: [&[Command]; 5] = [LINE, MODULE, TABS, SIZE, PROGRAM];
+const GROUPS: [&[Command]; 6] = [LINE, MODULE, TABS, RECORDING, SIZE, PROGRAM];
 
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
@@ -90,6 +95,9 @@ impl Command {
             Dashboard => "Dashboard",
             Traffic => "Traffic",
             Trends => "Trends",
+            ToggleRecording => "Start or stop recording",
+            OpenRecording => "Open a recording…",
+            ExportReadings => "Export readings…",
             Beside => "Show beside",
             OwnWindow => "Own window",
             ClosePane => "Close tab",
@@ -121,6 +129,9 @@ impl Command {
             Dashboard => "All modules in one table",
             Traffic => "Every frame of the line",
             Trends => "Plots of all readings, and what happened",
+            ToggleRecording => "Everything that is measured goes into a file, or no longer",
+            OpenRecording => "Plots and events of an earlier time",
+            ExportReadings => "Of the trends in view, as CSV, JSON Lines or Parquet",
             Beside => "Puts the tab beside the others; once more puts it back among them",
             OwnWindow => "Puts the tab into a window of its own, or back",
             ClosePane => "The module stays in the list and goes on being polled",
@@ -152,6 +163,9 @@ impl Command {
             Dashboard => command(Key::D),
             Traffic => command(Key::T),
             Trends => command(Key::G),
+            ToggleRecording => shifted(Key::S),
+            OpenRecording => command(Key::O),
+            ExportReadings => shifted(Key::E),
             Beside => command(Key::B),
             OwnWindow => shifted(Key::N),
             ClosePane => command(Key::W),
@@ -196,9 +210,15 @@ impl Command {
             RevertAll => module().or_else(|| no_edits(known)),
             NextTab | PreviousTab => module(),
             Remove => unless(in_view(pass.bench, pass.active).is_some(), "No module is in view"),
+            ToggleRecording if pass.bench.recording().is_some() => None,
+            ToggleRecording => pass.recordings.obstacle(pass.settings),
+            ExportReadings => {
+                let in_view = matches!(pass.active, Pane::Trends | Pane::Recording(_));
+                unless(in_view, "No trends are in view: open Trends or a recording")
+            }
             ClosePane => unless(pass.active != Pane::Dashboard, "The dashboard stays open"),
-            PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | Beside | OwnWindow | Larger
-            | Smaller | NormalSize | Quit => None,
+            PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | OpenRecording | Beside | OwnWindow
+            | Larger | Smaller | NormalSize | Quit => None,
         }
     }
 
@@ -229,6 +249,10 @@ impl Command {
             (Dashboard, _) => panes.open(Pane::Dashboard),
             (Traffic, _) => panes.open(Pane::Traffic),
             (Trends, _) => panes.open(Pane::Trends),
+            (ToggleRecording, _) if bench.recording().is_some() => pass.recordings.ask(Wish::Stop),
+            (ToggleRecording, _) => pass.recordings.ask(Wish::Start),
+            (OpenRecording, _) => pass.recordings.ask(Wish::Open),
+            (ExportReadings, _) => panes.export_readings(pass.active),
             (Beside, _) => panes.toggle_beside(pass.active),
             (OwnWindow, _) => panes.toggle_window(pass.active),
             (ClosePane, _) => pass.closing.push(pass.active),

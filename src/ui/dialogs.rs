@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Id, Modal, TextEdit};
 
+use super::recording;
 use super::saving::{SaveAs, Saving};
+use super::trends::export;
 use super::{theme, widgets};
 use crate::bench::{Action, Bench, Severity};
 
@@ -17,6 +19,11 @@ const SOONEST_ANSWER: Duration = Duration::from_millis(700);
 enum Purpose {
     AddDefinition,
     Save(SaveAs),
+    Export(export::Plan),
+    /// A recording to look at; the dialog begins in this folder.
+    OpenRecording(Option<PathBuf>),
+    /// Where recordings go.
+    RecordingFolder(Option<PathBuf>),
 }
 
 impl Purpose {
@@ -24,27 +31,47 @@ impl Purpose {
         match self {
             Self::AddDefinition => "Add definition file",
             Self::Save(save) => &save.title,
+            Self::Export(_) => "Export readings",
+            Self::OpenRecording(_) => "Open a recording",
+            Self::RecordingFolder(_) => "Folder for recordings",
         }
     }
 
     /// The system's dialog; blocks until it is answered.
     fn question(&self) -> impl FnOnce() -> Option<PathBuf> + Send + 'static {
         let dialog = rfd::FileDialog::new().set_title(self.title());
-        let save_as = match self {
-            Self::AddDefinition => None,
-            Self::Save(save) => Some(save.name.clone()),
+        let at = |folder: &Option<PathBuf>| match folder.as_ref().filter(|folder| folder.is_dir()) {
+            Some(folder) => dialog.clone().set_directory(folder),
+            None => dialog.clone(),
         };
-        move || match save_as {
-            None => dialog.add_filter("Module definitions", &["toml"]).pick_file(),
-            Some(name) => dialog.set_file_name(name).save_file(),
+        let dialog = match self {
+            Self::AddDefinition => dialog.add_filter("Module definitions", &["toml"]),
+            Self::Save(SaveAs { name, .. }) | Self::Export(export::Plan { name, .. }) => dialog.set_file_name(name),
+            Self::OpenRecording(folder) => at(folder).add_filter("Recordings", &[recording::ENDING]),
+            Self::RecordingFolder(folder) => at(folder),
+        };
+        let (is_new, is_folder) = (self.is_new_file(), matches!(self, Self::RecordingFolder(_)));
+        move || match (is_new, is_folder) {
+            (true, _) => dialog.save_file(),
+            (_, true) => dialog.pick_folder(),
+            _ => dialog.pick_file(),
         }
+    }
+
+    fn is_new_file(&self) -> bool {
+        matches!(self, Self::Save(_) | Self::Export(_))
     }
 
     /// What stands in the field at first.
     fn proposal(&self) -> String {
         match self {
             Self::AddDefinition => String::new(),
-            Self::Save(save) => std::env::current_dir().unwrap_or_default().join(&save.name).display().to_string(),
+            Self::Save(SaveAs { name, .. }) | Self::Export(export::Plan { name, .. }) => {
+                std::env::current_dir().unwrap_or_default().join(name).display().to_string()
+            }
+            Self::OpenRecording(folder) | Self::RecordingFolder(folder) => {
+                folder.as_ref().map_or_else(String::new, |folder| folder.join("").display().to_string())
+            }
         }
     }
 }
@@ -56,6 +83,9 @@ pub struct Dialogs {
     /// The field that stands in for it.
     field: Option<(Purpose, String)>,
     saving: Vec<Saving>,
+    exports: Vec<export::Running>,
+    /// The folder that was chosen for recordings.
+    folder: Option<PathBuf>,
     /// The system is not asked.
     pub only_field: bool,
 }
@@ -69,6 +99,26 @@ impl Dialogs {
     /// Opens the system's dialog; the file is written when a place was chosen, and a notice tells of it.
     pub fn ask_to_save(&mut self, ctx: &egui::Context, save: SaveAs) {
         self.ask(ctx, Purpose::Save(save));
+    }
+
+    /// Opens the system's dialog; readings are exported when a place was chosen, and a notice tells of it.
+    pub fn ask_to_export(&mut self, ctx: &egui::Context, plan: export::Plan) {
+        self.ask(ctx, Purpose::Export(plan));
+    }
+
+    /// Opens the system's dialog in `folder`; the recording is opened when one was chosen.
+    pub fn ask_for_recording(&mut self, ctx: &egui::Context, folder: Option<PathBuf>) {
+        self.ask(ctx, Purpose::OpenRecording(folder));
+    }
+
+    /// Opens the system's dialog in `folder`; [`Self::take_folder`] gives what was chosen.
+    pub fn ask_for_folder(&mut self, ctx: &egui::Context, folder: Option<PathBuf>) {
+        self.ask(ctx, Purpose::RecordingFolder(folder));
+    }
+
+    /// The folder that was chosen, once.
+    pub fn take_folder(&mut self) -> Option<PathBuf> {
+        self.folder.take()
     }
 
     fn ask(&mut self, ctx: &egui::Context, purpose: Purpose) {
@@ -102,11 +152,11 @@ impl Dialogs {
 
     /// Takes in answers, goes on with files that are written, and shows the field.
     pub fn show(&mut self, ctx: &egui::Context, bench: &Bench, actions: &mut Vec<Action>) {
-        self.take_answer(ctx, actions);
+        self.take_answer(ctx, bench, actions);
         if let Some((purpose, mut path)) = self.field.take() {
             match path_field(ctx, &purpose, &mut path) {
                 Answer::None => self.field = Some((purpose, path)),
-                Answer::Path(path) => self.carry_out(ctx, purpose, path, actions),
+                Answer::Path(path) => self.carry_out(ctx, bench, purpose, path, actions),
                 Answer::Nothing => {}
             }
         }
@@ -118,13 +168,19 @@ impl Dialogs {
             }
             has_more && !is_stopped
         });
+        let mut place = 0;
+        self.exports.retain_mut(|export| {
+            let goes_on = export.go_on(ctx, place, actions);
+            place += usize::from(goes_on);
+            goes_on
+        });
     }
 
-    fn take_answer(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+    fn take_answer(&mut self, ctx: &egui::Context, bench: &Bench, actions: &mut Vec<Action>) {
         let Some((purpose, pending, since)) = self.pending.take() else { return };
         match pending.try_recv() {
             Err(TryRecvError::Empty) => self.pending = Some((purpose, pending, since)),
-            Ok(Some(path)) => self.carry_out(ctx, purpose, path, actions),
+            Ok(Some(path)) => self.carry_out(ctx, bench, purpose, path, actions),
             Ok(None) if since.elapsed() > SOONEST_ANSWER => {}
             Ok(None) => self.ask_in_field(purpose),
             Err(TryRecvError::Disconnected) => {
@@ -137,8 +193,21 @@ impl Dialogs {
         }
     }
 
-    fn carry_out(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf, actions: &mut Vec<Action>) {
+    fn carry_out(
+        &mut self,
+        ctx: &egui::Context,
+        bench: &Bench,
+        purpose: Purpose,
+        path: PathBuf,
+        actions: &mut Vec<Action>,
+    ) {
         match purpose {
+            Purpose::OpenRecording(_) => actions.push(Action::OpenRecording(path)),
+            Purpose::RecordingFolder(_) => self.folder = Some(path),
+            Purpose::Export(plan) => match plan.start(path, bench, ctx) {
+                Ok(export) => self.exports.push(export),
+                Err(text) => actions.push(Action::Notify(Severity::Error, text)),
+            },
             Purpose::AddDefinition => actions.push(Action::AddDefinition(path)),
             Purpose::Save(save) => match Saving::start(path, save.contents, ctx) {
                 Ok(saving) => {
@@ -166,7 +235,9 @@ enum Answer {
 fn path_field(ctx: &egui::Context, purpose: &Purpose, path: &mut String) -> Answer {
     let (explanation, hint, does) = match purpose {
         Purpose::AddDefinition => ("Write the path of a *.toml file:", "/home/me/my-module.toml", "Add"),
-        Purpose::Save(_) => ("Write the path of the new file:", "/home/me/file.csv", "Save"),
+        Purpose::Save(_) | Purpose::Export(_) => ("Write the path of the new file:", "/home/me/file.csv", "Save"),
+        Purpose::OpenRecording(_) => ("Write the path of a recording:", "/home/me/recording.sqlite", "Open"),
+        Purpose::RecordingFolder(_) => ("Write the path of a folder:", "/home/me/recordings", "Choose"),
     };
     let mut answer = Answer::None;
     let modal = Modal::new(Id::unique("path")).show(ctx, |ui| {
@@ -179,7 +250,7 @@ fn path_field(ctx: &egui::Context, purpose: &Purpose, path: &mut String) -> Answ
             field.request_focus();
         }
         let chosen = Path::new(path.trim());
-        let replaces = matches!(purpose, Purpose::Save(_)) && chosen.exists();
+        let replaces = purpose.is_new_file() && chosen.exists();
         widgets::quiet_small(ui, if replaces { "There is such a file already; it will be replaced." } else { "" });
         ui.horizontal(|ui| {
             let enter = ui.input(|input| input.key_pressed(egui::Key::Enter));

@@ -21,6 +21,7 @@ mod pane_tabs;
 mod panes;
 mod picture;
 mod poll_plan;
+mod recording;
 mod saving;
 mod scan_form;
 mod settings;
@@ -95,9 +96,11 @@ fn start(creation: &eframe::CreationContext<'_>, demo: bool) -> std::io::Result<
     let catalogue = Arc::new(catalogue);
     let ctx = creation.egui_ctx.clone();
     let bus = Bus::start(catalogue.clone(), move || ctx.request_repaint_after(WAKE_AFTER))?;
-    let mut bench = Bench::new(bus, catalogue, &faulty);
+    let ctx = creation.egui_ctx.clone();
+    let mut bench = Bench::new(bus, catalogue, &faulty).with_wake(move || ctx.request_repaint_after(WAKE_AFTER));
     let settings::Opened { settings, file, warnings } = settings::open(crate::folders::config().as_deref());
     warnings.into_iter().for_each(|text| bench.apply(Action::Notify(Severity::Warning, text)));
     let start = Start { simulated: LineAddress::demo(), demo, settings };
-    Ok(App::new(&creation.egui_ctx, bench, start).keeping_settings_in(file))
+    let app = App::new(&creation.egui_ctx, bench, start).keeping_settings_in(file);
+    Ok(app.recording_in(crate::folders::recordings()))
 }

@@ -1,9 +1,12 @@
 //! What the user should know: errors until they are acknowledged, and all notices to look back at.
 
+use std::path::Path;
+
 use eframe::egui::{self, Color32, RichText, ScrollArea, Ui};
 use jiff::Timestamp;
 
 use super::app::Pass;
+use super::recording::{Recordings, Wish};
 use super::theme::{self, Palette};
 use super::widgets::{self, Glyph};
 use super::words;
@@ -72,6 +75,9 @@ pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
         return;
     };
     let (glyph, colour) = mark(notice.severity, palette);
+    if let Some(file) = &notice.file {
+        folder_button(ui, pass.recordings, file);
+    }
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::click());
     let galley = widgets::cut(ui, &notice.text, theme::body(), palette.quiet, width - theme::GLYPH - 2.0 * theme::GAP);
@@ -108,19 +114,31 @@ fn list(ui: &mut Ui, pass: &mut Pass<'_>) {
     });
     ScrollArea::vertical().max_height(theme::NOTICES_HEIGHT).show(ui, |ui| {
         for notice in pass.bench.notices().rev() {
-            entry(ui, notice);
+            entry(ui, notice, pass.recordings);
         }
     });
 }
 
-fn entry(ui: &mut Ui, notice: &Notice) {
+fn entry(ui: &mut Ui, notice: &Notice, recordings: &mut Recordings) {
     let palette = theme::palette(ui);
     let (glyph, colour) = mark(notice.severity, palette);
     ui.horizontal_top(|ui| {
         widgets::glyph(ui, glyph, colour);
         widgets::quiet(ui, &words::time_of_day(words::seconds(notice.at), 0));
-        ui.add(egui::Label::new(&notice.text).wrap());
+        ui.vertical(|ui| {
+            ui.add(egui::Label::new(&notice.text).wrap());
+            if let Some(file) = &notice.file {
+                folder_button(ui, recordings, file);
+            }
+        });
     });
+}
+
+/// Shows where a file was written.
+fn folder_button(ui: &mut Ui, recordings: &mut Recordings, file: &Path) {
+    if ui.button("Open folder").on_hover_text(file.display().to_string()).clicked() {
+        recordings.ask(Wish::ShowFolder(file.to_owned()));
+    }
 }
 
 fn as_line(notice: &Notice) -> String {

@@ -92,6 +92,25 @@ impl Default for Panes {
     }
 }
 
+impl Pane {
+    fn is_recording(self) -> bool {
+        matches!(self, Self::Recording(_))
+    }
+}
+
+/// Recordings are closed when the program ends.
+fn without_recordings(tree: &mut Tree<Pane>, windows: &mut Vec<Pane>) {
+    let recordings: Vec<TileId> = tree
+        .tiles
+        .iter()
+        .filter_map(|(id, tile)| matches!(tile, Tile::Pane(pane) if pane.is_recording()).then_some(*id))
+        .collect();
+    for tile in recordings {
+        tree.remove_recursively(tile);
+    }
+    windows.retain(|pane| !pane.is_recording());
+}
+
 fn new_tree() -> Tree<Pane> {
     Tree::new_tabs(Id::unique("panes"), vec![Pane::Dashboard])
 }
@@ -99,16 +118,19 @@ fn new_tree() -> Tree<Pane> {
 impl Panes {
     /// The layout that [`Self::layout`] gave, or the first one if it cannot be read.
     pub fn from_layout(text: &str) -> Self {
-        let Ok(Layout { tree, mut windows, active }) = serde_json::from_str(text) else { return Self::default() };
+        let Ok(Layout { mut tree, mut windows, active }) = serde_json::from_str(text) else { return Self::default() };
+        without_recordings(&mut tree, &mut windows);
         windows.retain(|pane| tree.tiles.find_pane(pane).is_none());
         windows.sort_unstable();
         windows.dedup();
-        let active = active.unwrap_or(Pane::Dashboard);
+        let active = active.filter(|pane| !pane.is_recording()).unwrap_or(Pane::Dashboard);
         Self { tree, windows, active, ..Self::default() }
     }
 
     pub fn layout(&self) -> Option<String> {
-        let layout = Layout { tree: self.tree.clone(), windows: self.windows.clone(), active: Some(self.active) };
+        let (mut tree, mut windows) = (self.tree.clone(), self.windows.clone());
+        without_recordings(&mut tree, &mut windows);
+        let layout = Layout { tree, windows, active: Some(self.active).filter(|pane| !pane.is_recording()) };
         serde_json::to_string(&layout).map_err(|error| log::warn!("the layout cannot be kept: {error}")).ok()
     }
 
@@ -149,6 +171,20 @@ impl Panes {
         if let Some(tile) = self.tree.tiles.find_pane(&pane) {
             self.tree.remove_recursively(tile);
         }
+    }
+
+    /// Forgets how a recording that is closed was looked at.
+    pub fn forget(&mut self, recording: RecordingId) {
+        self.views.recordings.remove(&recording);
+    }
+
+    /// Asks what of the readings in this pane is to be exported.
+    pub fn export_readings(&mut self, pane: Pane) {
+        let view = match pane {
+            Pane::Recording(id) => self.views.recordings.entry(id).or_default(),
+            _ => &mut self.views.trends,
+        };
+        view.ask_to_export();
     }
 
     /// The pane that the user works in.

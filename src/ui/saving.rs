@@ -86,7 +86,7 @@ impl Saving {
         match self.writer.outcome() {
             Some(Ok(())) => {
                 let text = format!("{} written to {}", self.contents.what(), self.path.display());
-                actions.push(Action::Notify(Severity::Info, text));
+                actions.push(Action::TellOfFile(text, self.path.clone()));
                 return false;
             }
             Some(Err(error)) => return self.failed(&error, actions),

@@ -1,9 +1,10 @@
 //! The bar at the bottom: the line and what happens on it, in facts.
 
-use eframe::egui::{Align, Color32, RichText, Ui};
+use eframe::egui::{Align, Color32, Label, RichText, Ui, vec2};
 
 use super::app::Pass;
 use super::notices;
+use super::recording;
 use super::theme::{self, Palette};
 use super::widgets::{self, Glyph};
 use crate::bench::LineState;
@@ -16,6 +17,8 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
             ui.add_space(theme::GAP);
             facts(ui, pass.bench.statistics());
         }
+        ui.add_space(theme::GAP);
+        recording::section(ui, pass);
         widgets::at_right(ui, |ui| notices::newest(ui, pass));
     });
 }
@@ -33,7 +36,9 @@ fn line(ui: &mut Ui, line: &LineState) {
     let palette = theme::palette(ui);
     let (glyph, colour, text) = state(line, palette);
     widgets::glyph(ui, glyph, colour);
-    let response = ui.label(RichText::new(text).color(palette.text));
+    let label = Label::new(RichText::new(text).color(palette.text)).truncate();
+    let size = vec2(theme::LINE_STATE_WIDTH, theme::CONTROL_HEIGHT);
+    let response = ui.allocate_ui(size, |ui| ui.add(label)).inner;
     if let LineState::Lost { reason, .. } = line {
         response.on_hover_text(format!("{reason} – plug the adapter in again, it is taken up by itself"));
     }

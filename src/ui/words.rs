@@ -64,6 +64,31 @@ pub fn clock(at: Timestamp) -> String {
     at.to_zoned(TimeZone::system()).strftime("%H:%M:%S%.3f").to_string()
 }
 
+/// Date and time of day to a millisecond, in UTC or local: `2026-03-02 09:30:00.000`.
+pub fn moment(at: Timestamp, utc: bool) -> String {
+    at.to_zoned(zone(utc)).strftime("%Y-%m-%d %H:%M:%S%.3f").to_string()
+}
+
+/// Date and time of day to a minute, in UTC or local: `2026-03-02 09:30`.
+pub fn minute(at: Timestamp, utc: bool) -> String {
+    at.to_zoned(zone(utc)).strftime("%Y-%m-%d %H:%M").to_string()
+}
+
+/// UTC, or the zone of this machine.
+pub fn zone(utc: bool) -> TimeZone {
+    if utc { TimeZone::UTC } else { TimeZone::system() }
+}
+
+/// `340 kB`, `18 MB`, `1.2 GB`: how much a file holds.
+pub fn size(bytes: u64) -> String {
+    match bytes {
+        0..1_000 => format!("{bytes} B"),
+        1_000..1_000_000 => format!("{} kB", bytes / 1_000),
+        1_000_000..1_000_000_000 => format!("{} MB", bytes / 1_000_000),
+        _ => format!("{:.1} GB", bytes as f64 / 1e9),
+    }
+}
+
 /// `8.3 ms`, `1250 ms`: how long a frame took.
 pub fn milliseconds(span: Duration) -> String {
     let milliseconds = span.as_secs_f64() * 1e3;
@@ -91,6 +116,13 @@ mod tests {
         assert_eq!(text(11_200), "12 s");
         assert_eq!(text(250_000), "4 min 10 s");
         assert_eq!(text(12_000_000), "3 h 20 min");
+    }
+
+    #[test]
+    fn sizes_have_the_unit_that_is_read_at_a_glance() {
+        let texts = [999, 340_900, 18_000_000, 1_240_000_000].map(size);
+        assert_eq!(texts, ["999 B", "340 kB", "18 MB", "1.2 GB"]);
+        assert_eq!(moment(Timestamp::from_millisecond(1_500).unwrap(), true), "1970-01-01 00:00:01.500");
     }
 
     #[test]

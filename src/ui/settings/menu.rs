@@ -18,6 +18,8 @@ pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
                 group(ui, pass, "Line", commands::LINE);
                 ui.add_space(theme::GAP);
                 group(ui, pass, "Module in view", commands::MODULE);
+                ui.add_space(theme::GAP);
+                group(ui, pass, "Recording", commands::RECORDING);
             });
             ui.add_space(theme::GAP);
             column(ui, |ui| {

@@ -18,6 +18,7 @@ pub use menu::{menu, zoom_by};
 
 use crate::bus::{LineAddress, MODBUS_TCP_PORT};
 use crate::protocol::LineSettings;
+use crate::record::Keeping;
 
 /// The span of the plot when the program is new, in seconds.
 const DEFAULT_SPAN: f64 = 60.0;
@@ -32,6 +33,11 @@ pub const RECENT_PORTS: usize = 8;
 pub const HISTORY: usize = 200;
 /// Scripts remembered, each as a whole.
 const SCRIPTS: usize = 20;
+/// Least size of one file of a recording, and of all files that need not be kept, in megabytes.
+pub const LEAST_FILE_MEGABYTES: u32 = 10;
+pub const MOST_MEGABYTES: u32 = 100_000_000;
+/// Bytes of a megabyte.
+pub const MEGABYTE: u64 = 1_000_000;
 /// Stands before a host in the list of recent lines, so that no port's name is taken for one.
 const TCP_MARK: &str = "tcp://";
 
@@ -101,6 +107,8 @@ pub struct Settings {
     pub strips: bool,
     /// Series that are not drawn, by stem.
     pub hidden: BTreeSet<String>,
+    /// Trends tell times in UTC, not in local time.
+    pub utc: bool,
     pub line: LineChoice,
     /// A port that the system does not list.
     pub other_port: String,
@@ -118,6 +126,16 @@ pub struct Settings {
     pub layout: Option<String>,
     /// The tab of a module that was shown last; empty for the first.
     pub tab: String,
+    /// Whether a recording begins by itself when the first module is polled.
+    pub record: bool,
+    /// Where recordings go; empty for the program's own folder.
+    pub recording_folder: String,
+    /// After so much a new file is begun.
+    pub recording_file_megabytes: u32,
+    /// Of all files together; the oldest are removed. 0 keeps all.
+    pub recording_total_megabytes: u32,
+    /// Days after which a file is removed. 0 keeps all.
+    pub recording_days: u32,
 }
 
 impl Default for Settings {
@@ -129,6 +147,7 @@ impl Default for Settings {
             span: DEFAULT_SPAN,
             strips: true,
             hidden: BTreeSet::new(),
+            utc: false,
             line: LineChoice::default(),
             other_port: String::new(),
             // The module's own address as it leaves the factory (PIR-234 manual 3.1).
@@ -139,6 +158,11 @@ impl Default for Settings {
             command_history: Vec::new(),
             layout: None,
             tab: String::new(),
+            record: true,
+            recording_folder: String::new(),
+            recording_file_megabytes: 1_000,
+            recording_total_megabytes: 10_000,
+            recording_days: 0,
         }
     }
 }
@@ -157,9 +181,37 @@ impl Settings {
             warnings.push(format!("span is {}, not one of {named} – {DEFAULT_SPAN} is used", self.span));
             self.span = DEFAULT_SPAN;
         }
+        self.make_keeping_valid(warnings);
         tidy(&mut self.recent_ports, RECENT_PORTS);
         tidy(&mut self.recent_scripts, SCRIPTS);
         tidy(&mut self.command_history, HISTORY);
+    }
+
+    fn make_keeping_valid(&mut self, warnings: &mut Vec<String>) {
+        let file = self.recording_file_megabytes;
+        if !(LEAST_FILE_MEGABYTES..=MOST_MEGABYTES).contains(&file) {
+            self.recording_file_megabytes = file.clamp(LEAST_FILE_MEGABYTES, MOST_MEGABYTES);
+            let (used, least) = (self.recording_file_megabytes, LEAST_FILE_MEGABYTES);
+            warnings.push(format!(
+                "recording_file_megabytes is {file}, not within {least} to {MOST_MEGABYTES} – {used} is used"
+            ));
+        }
+        let total = self.recording_total_megabytes;
+        if total != 0 && total < self.recording_file_megabytes {
+            self.recording_total_megabytes = self.recording_file_megabytes;
+            let used = self.recording_total_megabytes;
+            warnings.push(format!("recording_total_megabytes is {total}, less than one file – {used} is used"));
+        }
+    }
+
+    /// When recordings begin a new file, and when old ones are removed.
+    pub fn keeping(&self) -> Keeping {
+        let bytes = |megabytes: u32| u64::from(megabytes).saturating_mul(MEGABYTE);
+        Keeping {
+            file_size: bytes(self.recording_file_megabytes),
+            total_size: (self.recording_total_megabytes > 0).then(|| bytes(self.recording_total_megabytes)),
+            days: (self.recording_days > 0).then_some(self.recording_days),
+        }
     }
 
     /// A span that was zoomed to belongs to what was looked at then, and is not kept.
@@ -257,6 +309,20 @@ mod tests {
         warnings.clear();
         valid.make_valid(&mut warnings);
         assert_eq!((valid.zoom, valid.span, warnings.len()), (3.0, 900.0, 0));
+    }
+
+    #[test]
+    fn what_is_kept_of_recordings_is_never_less_than_one_file() {
+        let mut settings =
+            Settings { recording_file_megabytes: 0, recording_total_megabytes: 3, ..Settings::default() };
+        let mut warnings = Vec::new();
+        settings.make_valid(&mut warnings);
+        assert_eq!((settings.recording_file_megabytes, settings.recording_total_megabytes), (10, 10));
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        let keeping = Settings::default().keeping();
+        assert_eq!(keeping, Keeping { file_size: 1_000_000_000, total_size: Some(10_000_000_000), days: None });
+        let all = Settings { recording_total_megabytes: 0, recording_days: 30, ..Settings::default() }.keeping();
+        assert_eq!((all.total_size, all.days), (None, Some(30)));
     }
 
     #[test]

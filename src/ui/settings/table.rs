@@ -140,6 +140,7 @@ mod tests {
             span: 900.0,
             strips: false,
             hidden: ["dew_point".to_owned()].into(),
+            utc: true,
             line: LineChoice::Port("/dev/ttyUSB0".to_owned()),
             other_port: "COM12".to_owned(),
             host: "bench:1502".to_owned(),
@@ -149,6 +150,11 @@ mod tests {
             command_history: texts("$01M"),
             layout: Some("(root: Some(1),\n tiles: {\"a\": 'b'})".to_owned()),
             tab: "log".to_owned(),
+            record: false,
+            recording_folder: "/data/bench".to_owned(),
+            recording_file_megabytes: 50,
+            recording_total_megabytes: 5_000,
+            recording_days: 30,
         }
     }
 
@@ -167,10 +173,11 @@ mod tests {
         let mut right = Table::new();
         overlay(&mut right, None, &all_different()).unwrap();
         let keys: Vec<String> = right.keys().filter(|key| *key != VERSION_KEY).cloned().collect();
-        assert_eq!(keys.len(), 15);
+        assert_eq!(keys.len(), 21);
         for wrong in keys {
             let mut table = right.clone();
-            let nonsense = if wrong == "strips" { Value::Integer(5) } else { Value::Boolean(true) };
+            let is_switch = right[&wrong].is_bool();
+            let nonsense = if is_switch { Value::Integer(5) } else { Value::Boolean(true) };
             table.insert(wrong.clone(), nonsense);
             let (read, warnings) = read(&table);
             assert_eq!(warnings.len(), 1, "{wrong}: {warnings:?}");

@@ -5,17 +5,21 @@
 pub struct Selection {
     /// Where the choice began, and where it ends.
     ends: Option<(u64, u64)>,
+    /// The user has chosen since this was last asked.
+    is_new: bool,
 }
 
 impl Selection {
     pub fn choose(&mut self, key: u64) {
         self.ends = Some((key, key));
+        self.is_new = true;
     }
 
     /// Chooses all from where the choice began to `key`.
     pub fn extend(&mut self, key: u64) {
         let start = self.ends.map_or(key, |(start, _)| start);
         self.ends = Some((start, key));
+        self.is_new = true;
     }
 
     pub fn clear(&mut self) {
@@ -25,6 +29,11 @@ impl Selection {
     /// The line that was chosen last.
     pub fn current(&self) -> Option<u64> {
         self.ends.map(|(_, end)| end)
+    }
+
+    /// The line that was chosen since this was last asked, even if it is the same as before.
+    pub fn take_new(&mut self) -> Option<u64> {
+        std::mem::take(&mut self.is_new).then(|| self.current()).flatten()
     }
 
     /// The first and the last key.

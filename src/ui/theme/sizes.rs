@@ -80,9 +80,20 @@ pub const TEXT_WIDTH: f32 = 130.0 * UNIT;
 pub const NOTICES_WIDTH: f32 = 140.0 * UNIT;
 pub const NOTICES_HEIGHT: f32 = 80.0 * UNIT;
 pub const PATH_WIDTH: f32 = 90.0 * UNIT;
+/// Most room for the name of the line and its state.
+pub const LINE_STATE_WIDTH: f32 = 50.0 * UNIT;
 pub const RATE_WIDTH: f32 = 29.0 * UNIT;
 pub const ERRORS_WIDTH: f32 = 20.0 * UNIT;
 pub const ANSWER_WIDTH: f32 = 24.0 * UNIT;
+/// How the recording fares, and what a click there shows.
+pub const RECORDING_WIDTH: f32 = 56.0 * UNIT;
+pub const RECORDING_MENU: f32 = 90.0 * UNIT;
+/// The dialog that exports readings: its list, a field for a time, and what tells how far a file is.
+pub const EXPORT_WIDTH: f32 = 120.0 * UNIT;
+pub const EXPORT_LIST: f32 = 40.0 * UNIT;
+pub const EXPORT_ROW: f32 = 12.0 * UNIT;
+pub const MOMENT_FIELD: f32 = 38.0 * UNIT;
+pub const RECENT_HEIGHT: f32 = 44.0 * UNIT;
 
 /// The table of all modules: height of a line, and least widths of its columns.
 pub const TABLE_ROW: f32 = 7.0 * UNIT;
@@ -110,6 +121,9 @@ pub const ROW_MARGIN: f32 = 2.0 * UNIT;
 
 /// Long lists. An even number of points, so that the place of the millionth row is exact in 32 bits.
 pub const LIST_ROW: f32 = 5.0 * UNIT;
+/// Date and time of day.
+pub const MOMENT_COLUMN: f32 = 48.0 * UNIT;
+pub const MODULE_COLUMN: f32 = 32.0 * UNIT;
 pub const TIME_COLUMN: f32 = 21.0 * UNIT;
 pub const DIRECTION_COLUMN: f32 = 20.0 * UNIT;
 pub const ADDRESS_COLUMN: f32 = 12.0 * UNIT;

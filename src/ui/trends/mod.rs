@@ -1,6 +1,7 @@
 //! The trends: any series of any modules on one axis of time, live or of a recording, and what happened meanwhile.
 
 mod events;
+pub mod export;
 mod source;
 
 use eframe::egui::Ui;
@@ -14,12 +15,25 @@ pub use source::Source;
 #[derive(Default)]
 pub struct TrendView {
     events: EventList,
+    /// The user wants to export readings.
+    export: bool,
 }
 
 impl TrendView {
     pub fn show(&mut self, ui: &mut Ui, source: &Source<'_>, pass: &mut Pass<'_>) {
         let view = source.span().unwrap_or_default();
+        if std::mem::take(&mut self.export) {
+            let view = source.span();
+            export::ask(source, export::InPlots { view, ..Default::default() }, pass);
+        }
         self.events.show(ui, source, view, pass);
+    }
+}
+
+impl TrendView {
+    /// Asks in the next frame what of the readings is to be exported.
+    pub fn ask_to_export(&mut self) {
+        self.export = true;
     }
 }
 
