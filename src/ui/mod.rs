@@ -19,6 +19,7 @@ mod notices;
 mod pane_tabs;
 mod panes;
 mod picture;
+mod plot;
 mod saving;
 mod scan_form;
 mod settings;
@@ -37,6 +38,9 @@ use std::time::Duration;
 use eframe::egui::ViewportBuilder;
 
 pub use app::{App, Start};
+#[doc(hidden)]
+pub use trends::measure;
+
 pub use settings::{LineChoice, Settings, SettingsFile, TemperatureUnit, ThemeChoice};
 
 use crate::bench::{Action, Bench, Severity};

@@ -13,4 +13,5 @@ mod panes;
 mod relay;
 mod summary;
 mod traffic;
+mod trends;
 mod watchdog;

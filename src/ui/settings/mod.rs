@@ -28,6 +28,8 @@ pub const NAMED_SPANS: [f64; 4] = [60.0, 300.0, 900.0, 3_600.0];
 const ZOOMS: RangeInclusive<f32> = 0.5..=3.0;
 /// Lines remembered.
 pub const RECENT_PORTS: usize = 8;
+/// Series of the trends remembered.
+const TREND_SERIES: usize = 500;
 /// Commands remembered.
 pub const HISTORY: usize = 200;
 /// Scripts remembered, each as a whole.
@@ -101,6 +103,10 @@ pub struct Settings {
     pub strips: bool,
     /// Series that are not drawn, by stem.
     pub hidden: BTreeSet<String>,
+    /// Trends tell times in UTC, not in local time.
+    pub utc: bool,
+    /// What the live trends show, one series an entry, as the trends write it; empty until the user has chosen.
+    pub trend_series: Vec<String>,
     pub line: LineChoice,
     /// A port that the system does not list.
     pub other_port: String,
@@ -129,6 +135,8 @@ impl Default for Settings {
             span: DEFAULT_SPAN,
             strips: true,
             hidden: BTreeSet::new(),
+            utc: false,
+            trend_series: Vec::new(),
             line: LineChoice::default(),
             other_port: String::new(),
             // The module's own address as it leaves the factory (PIR-234 manual 3.1).
@@ -157,6 +165,7 @@ impl Settings {
             warnings.push(format!("span is {}, not one of {named} – {DEFAULT_SPAN} is used", self.span));
             self.span = DEFAULT_SPAN;
         }
+        tidy(&mut self.trend_series, TREND_SERIES);
         tidy(&mut self.recent_ports, RECENT_PORTS);
         tidy(&mut self.recent_scripts, SCRIPTS);
         tidy(&mut self.command_history, HISTORY);

@@ -140,6 +140,8 @@ mod tests {
             span: 900.0,
             strips: false,
             hidden: ["dew_point".to_owned()].into(),
+            utc: true,
+            trend_series: texts("0 left humidity dcon@7 COM9"),
             line: LineChoice::Port("/dev/ttyUSB0".to_owned()),
             other_port: "COM12".to_owned(),
             host: "bench:1502".to_owned(),
@@ -167,10 +169,11 @@ mod tests {
         let mut right = Table::new();
         overlay(&mut right, None, &all_different()).unwrap();
         let keys: Vec<String> = right.keys().filter(|key| *key != VERSION_KEY).cloned().collect();
-        assert_eq!(keys.len(), 15);
+        assert_eq!(keys.len(), 17);
         for wrong in keys {
             let mut table = right.clone();
-            let nonsense = if wrong == "strips" { Value::Integer(5) } else { Value::Boolean(true) };
+            let nonsense =
+                if ["strips", "utc"].contains(&wrong.as_str()) { Value::Integer(5) } else { Value::Boolean(true) };
             table.insert(wrong.clone(), nonsense);
             let (read, warnings) = read(&table);
             assert_eq!(warnings.len(), 1, "{wrong}: {warnings:?}");
