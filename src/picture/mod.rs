@@ -1,4 +1,4 @@
-//! Pictures of a module as plain shapes: what its switches look like, what its sensor sees.
+//! Pictures as plain shapes: what a module's switches look like, what its sensor sees, how its values went.
 //!
 //! A picture knows neither a window nor colours: each shape names the [`Ink`] it is drawn with, and whoever draws it
 //! has the colours. Lengths are units of the picture, about a screen point; x grows to the right, y downwards. Every
@@ -7,11 +7,13 @@
 mod sensor_face;
 mod svg;
 mod switches;
+mod trend;
 
 pub use sensor_face::{Zone, ZoneState, sensor_face};
 pub(crate) use svg::escaped;
 pub use svg::svg;
 pub use switches::switch_picture;
+pub use trend::{AxisPart, PlotPart, State, StripPart, TrendPicture, trend_picture};
 
 /// Size of the smallest text in a picture.
 pub const SMALLEST_TEXT: f32 = 11.0;
@@ -59,9 +61,16 @@ pub enum Ink {
     /// A zone with motion; [`Ink::OnMotion`] is read on it.
     Motion,
     OnMotion,
+    /// Lines of a plot's grid.
+    Grid,
+    /// The limit of an alarm.
+    Limit,
+    /// A curve of a plot, by number; only whoever draws the plot knows its colour.
+    Curve(u8),
 }
 
 impl Ink {
+    /// Those of a module's pictures.
     pub const ALL: [Self; 16] = [
         Self::Ground,
         Self::Body,
@@ -170,6 +179,10 @@ impl Picture {
 
     fn circle(&mut self, centre: [f32; 2], radius: f32, fill: Ink) {
         self.shapes.push(Shape::Circle { centre, radius, fill: Some(fill), outline: None });
+    }
+
+    fn outline(&mut self, area: Area, ink: Ink, width: f32) {
+        self.shapes.push(Shape::Rect { area, rounding: 0.0, fill: None, outline: Some(Stroke { ink, width }) });
     }
 
     fn ring(&mut self, centre: [f32; 2], radius: f32, ink: Ink, width: f32) {

@@ -20,6 +20,7 @@ mod notices;
 mod pane_tabs;
 mod panes;
 mod picture;
+mod plot;
 mod poll_plan;
 mod recording;
 mod saving;
@@ -40,6 +41,9 @@ use std::time::Duration;
 use eframe::egui::ViewportBuilder;
 
 pub use app::{App, Start};
+#[doc(hidden)]
+pub use trends::measure;
+
 pub use settings::{LineChoice, Settings, SettingsFile, TemperatureUnit, ThemeChoice};
 
 use crate::bench::{Action, Bench, Severity};

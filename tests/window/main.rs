@@ -16,4 +16,5 @@ mod recording;
 mod relay;
 mod summary;
 mod traffic;
+mod trends;
 mod watchdog;

@@ -70,6 +70,8 @@ fn inks(ink: Ink) -> ([u8; 3], [u8; 3]) {
         Ink::Facet => ([0xD3, 0xD9, 0xDF], [0x3A, 0x42, 0x4B]),
         Ink::Motion => ([0xC0, 0x88, 0x00], [0xEE, 0xE1, 0x6A]),
         Ink::OnMotion => ([0x17, 0x12, 0x00], [0x1C, 0x19, 0x05]),
+        // Of plots, which no summary has.
+        Ink::Grid | Ink::Limit | Ink::Curve(_) => inks(Ink::Text),
     }
 }
 

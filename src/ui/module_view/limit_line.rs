@@ -1,13 +1,12 @@
 //! The limit of the high temperature alarm in the plot of temperatures.
 
-use eframe::egui::{Align2, Rect, Role, Sense, Shape, Stroke, Ui, pos2, vec2};
+use eframe::egui::{Rect, Ui};
 
 use super::series::Series;
 use super::temperature;
 use crate::bench::Module;
 use crate::module::Value;
-use crate::ui::theme;
-use crate::ui::widgets;
+use crate::ui::{plot, theme};
 
 /// The reading that the limit belongs to, without its unit.
 const LIMITED: &str = "temperature";
@@ -52,33 +51,14 @@ impl Limit {
 /// A dashed line with its name at height `y`; where that lies outside, only the name at the edge that it lies beyond.
 pub fn show(ui: &Ui, rect: Rect, limit: &Limit, y: f32) {
     let palette = theme::palette(ui);
-    let painter = ui.painter().with_clip_rect(rect);
     let colour = if limit.in_force { palette.alarm } else { palette.old };
-    let inside = rect.y_range().contains(y);
-    if inside {
-        let line = [pos2(rect.left(), y), pos2(rect.right(), y)];
-        let [dash, gap] = theme::DASH;
-        painter.extend(Shape::dashed_line(&line, Stroke::new(theme::OUTLINE, colour), dash, gap));
-    }
-    if limit.disabled && !inside {
+    plot::limit::dashed(ui, rect, rect.x_range(), y, colour);
+    let place = plot::limit::beyond(y, rect);
+    if limit.disabled && !place.is_empty() {
         return;
     }
-    let place = match inside {
-        true => "",
-        false if y < rect.top() => " is above",
-        false => " is below",
-    };
     let text = format!("{}{place}{}", limit.text, if limit.disabled { ", alarm disabled" } else { "" });
-    let galley = widgets::cut(ui, &text, theme::small(), colour, rect.width());
-    let size = galley.size() + vec2(2.0 * theme::UNIT, 0.0);
-    // Above its line, or below where there is no room.
-    let top = if y - size.y >= rect.top() { y - size.y } else { y + theme::HAIRLINE };
-    let top = top.clamp(rect.top(), (rect.bottom() - size.y).max(rect.top()));
-    let place = Rect::from_min_size(pos2(rect.left(), top), size);
-    painter.rect_filled(place, 0.0, palette.ground);
-    painter.galley(Align2::CENTER_CENTER.align_size_within_rect(galley.size(), place).min, galley, colour);
-    let response = ui.interact(place, ui.scope_id().with("limit"), Sense::hover());
-    widgets::describe(&response, Role::Label, &text);
+    plot::limit::name(ui, rect, y, &text, colour, ui.scope_id().with("limit"));
 }
 
 #[cfg(test)]

@@ -244,7 +244,7 @@ fn layout(ui: &mut Ui, groups: &[Vec<&Series<'_>>], switches: usize, height: f32
 /// The plots' vertical lines go on through the strips.
 fn strips_grid(ui: &Ui, layout: &Layout, view: &TimeView, palette: &Palette) {
     let (Some((_, first)), Some((_, last))) = (layout.strips.first(), layout.strips.last()) else { return };
-    let (ticks, _) = view.ticks();
+    let (ticks, _) = time_axis::ticks(view);
     for tick in ticks {
         let rows = Rangef::new(first.top(), last.bottom());
         ui.painter().vline(view.x(tick), rows, Stroke::new(theme::HAIRLINE, palette.grid));

@@ -20,7 +20,7 @@ mod series;
 mod strips;
 mod summary;
 mod tabs;
-mod temperature;
+pub mod temperature;
 mod time_axis;
 mod unknown;
 mod watchdog;

@@ -1,7 +1,5 @@
 //! One plot for the numbers of one unit, on the shared span of time.
 
-use std::ops::RangeInclusive;
-
 use eframe::egui::{Align2, Painter, Rangef, Rect, Sense, Stroke, Ui, UiBuilder, Vec2, pos2, vec2};
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
@@ -9,33 +7,17 @@ use super::legend;
 use super::limit_line::{self, Limit};
 use super::scene::Scene;
 use super::series::Series;
-use super::time_axis::TimeView;
+use super::time_axis::{self, TimeView};
 use crate::module::Kind;
+use crate::ui::plot::Scale;
 use crate::ui::settings::Settings;
 use crate::ui::theme::{self, Palette};
-use crate::ui::widgets;
-
-/// The smallest range of values, in units of the last decimal: noise shall not look like an event.
-const LEAST_RANGE: f64 = 100.0;
-/// Room above and below the lines, as a part of their range.
-const MARGIN: f64 = 0.16;
-/// The ends of the range are multiples of this part of a step, so that they do not move with every sample.
-const GRAIN: f64 = 0.5;
 
 /// The areas of one plot.
 pub struct Areas {
     pub legend: Rect,
     pub labels: Rect,
     pub plot: Rect,
-}
-
-/// The range of values that is drawn, with the grid's lines and their distance.
-struct Scale {
-    /// There is nothing to draw, so the range means nothing.
-    empty: bool,
-    values: RangeInclusive<f64>,
-    ticks: Vec<f64>,
-    step: f64,
 }
 
 pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Settings, scene: &Scene<'_>) {
@@ -48,7 +30,7 @@ pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Se
     let visible: Vec<&Series<'_>> =
         group.iter().copied().filter(|series| !settings.hidden.contains(series.stem)).collect();
     let limit = Limit::of(scene.module, &visible);
-    let scale = Scale::new(&visible, &scene.view, limit.as_ref(), areas.plot.height());
+    let scale = scale(&visible, &scene.view, limit.as_ref(), areas.plot.height());
     labels(ui.painter(), areas, &scale, palette);
     let unit = group.first().map_or("", |series| series.unit);
     lines(ui, areas.plot, unit, &visible, &scene.view, &scale);
@@ -67,30 +49,13 @@ pub fn show(ui: &mut Ui, areas: &Areas, group: &[&Series<'_>], settings: &mut Se
     }
 }
 
-impl Scale {
-    /// Some room above and below the lines, and never so fine that noise looks like an event.
-    fn new(visible: &[&Series<'_>], view: &TimeView, limit: Option<&Limit>, height: f32) -> Self {
-        let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
-        let extremes = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let finest = visible.iter().map(|series| resolution(series)).fold(0.0, f64::max);
-        let least = (finest * LEAST_RANGE).max(f64::EPSILON);
-        let reach = |(low, high)| limit.map_or((low, high), |limit| limit.taken_into((low, high), least));
-        let (low, high) = extremes.map_or((0.0, 0.0), reach);
-        let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0 * (1.0 + MARGIN)).max(least / 2.0));
-        let most = f64::from(height / theme::TICK_DISTANCE[1]).max(2.0);
-        let (_, step) = widgets::round_steps(&(middle - half..=middle + half), most);
-        let grain = step * GRAIN;
-        let values = ((middle - half) / grain).floor() * grain..=((middle + half) / grain).ceil() * grain;
-        let ticks = widgets::multiples(&values, step);
-        let ticks = if extremes.is_some() { ticks } else { Vec::new() };
-        Self { empty: extremes.is_none(), values, ticks, step }
-    }
-
-    /// Where a value lies on the screen.
-    fn y(&self, value: f64, rect: Rect) -> f32 {
-        let part = (value - self.values.start()) / (self.values.end() - self.values.start());
-        rect.bottom() - (part * f64::from(rect.height())) as f32
-    }
+/// The range of what is seen, with the limit if it is near.
+fn scale(visible: &[&Series<'_>], view: &TimeView, limit: Option<&Limit>, height: f32) -> Scale {
+    let extremes = visible.iter().filter_map(|series| series.trend?.extremes(view.from, view.to));
+    let extremes = extremes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let least = Scale::least(visible.iter().map(|series| resolution(series)).fold(0.0, f64::max));
+    let reach = |range| limit.map_or(range, |limit| limit.taken_into(range, least));
+    Scale::around(extremes.map(reach), least, height)
 }
 
 /// One unit of the last decimal.
@@ -103,21 +68,18 @@ fn resolution(series: &Series<'_>) -> f64 {
 
 /// Numbers at the grid's lines; those at the very edge are left out, they would touch the neighbouring plot.
 fn labels(painter: &Painter, areas: &Areas, scale: &Scale, palette: &Palette) {
-    let places = (-scale.step.log10().floor()).clamp(0.0, 4.0) as usize;
     for tick in &scale.ticks {
         let y = scale.y(*tick, areas.plot);
         if areas.plot.y_range().shrink(theme::UNIT).contains(y) {
             let place = pos2(areas.labels.right() - theme::UNIT, y);
-            // Adding zero makes -0 positive.
-            let text = format!("{:.places$}", tick + 0.0);
-            painter.text(place, Align2::RIGHT_CENTER, text, theme::small(), palette.quiet);
+            painter.text(place, Align2::RIGHT_CENTER, scale.label(*tick), theme::small(), palette.quiet);
         }
     }
 }
 
 fn lines(ui: &mut Ui, rect: Rect, unit: &str, visible: &[&Series<'_>], view: &TimeView, scale: &Scale) {
     let palette = theme::palette(ui);
-    let (time_ticks, time_step) = view.ticks();
+    let (time_ticks, time_step) = time_axis::ticks(view);
     let marks = |ticks: &[f64], step: f64| -> Vec<GridMark> {
         ticks.iter().map(|value| GridMark { value: *value, step_size: step }).collect()
     };

@@ -29,6 +29,8 @@ pub const NAMED_SPANS: [f64; 4] = [60.0, 300.0, 900.0, 3_600.0];
 const ZOOMS: RangeInclusive<f32> = 0.5..=3.0;
 /// Lines remembered.
 pub const RECENT_PORTS: usize = 8;
+/// Series of the trends remembered.
+const TREND_SERIES: usize = 500;
 /// Commands remembered.
 pub const HISTORY: usize = 200;
 /// Scripts remembered, each as a whole.
@@ -109,6 +111,8 @@ pub struct Settings {
     pub hidden: BTreeSet<String>,
     /// Trends tell times in UTC, not in local time.
     pub utc: bool,
+    /// What the live trends show, one series an entry, as the trends write it; empty until the user has chosen.
+    pub trend_series: Vec<String>,
     pub line: LineChoice,
     /// A port that the system does not list.
     pub other_port: String,
@@ -148,6 +152,7 @@ impl Default for Settings {
             strips: true,
             hidden: BTreeSet::new(),
             utc: false,
+            trend_series: Vec::new(),
             line: LineChoice::default(),
             other_port: String::new(),
             // The module's own address as it leaves the factory (PIR-234 manual 3.1).
@@ -182,6 +187,7 @@ impl Settings {
             self.span = DEFAULT_SPAN;
         }
         self.make_keeping_valid(warnings);
+        tidy(&mut self.trend_series, TREND_SERIES);
         tidy(&mut self.recent_ports, RECENT_PORTS);
         tidy(&mut self.recent_scripts, SCRIPTS);
         tidy(&mut self.command_history, HISTORY);

@@ -141,6 +141,7 @@ mod tests {
             strips: false,
             hidden: ["dew_point".to_owned()].into(),
             utc: true,
+            trend_series: texts("0 left humidity dcon@7 COM9"),
             line: LineChoice::Port("/dev/ttyUSB0".to_owned()),
             other_port: "COM12".to_owned(),
             host: "bench:1502".to_owned(),
@@ -173,7 +174,7 @@ mod tests {
         let mut right = Table::new();
         overlay(&mut right, None, &all_different()).unwrap();
         let keys: Vec<String> = right.keys().filter(|key| *key != VERSION_KEY).cloned().collect();
-        assert_eq!(keys.len(), 21);
+        assert_eq!(keys.len(), 22);
         for wrong in keys {
             let mut table = right.clone();
             let is_switch = right[&wrong].is_bool();

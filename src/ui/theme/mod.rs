@@ -35,6 +35,11 @@ pub fn details_frame() -> egui::Frame {
     egui::Frame::new().inner_margin(Margin { left: 0, right: 0, top: 8, bottom: 0 })
 }
 
+/// A list at the left of what it rules.
+pub fn beside_frame() -> egui::Frame {
+    egui::Frame::new().inner_margin(Margin { left: 0, right: 8, top: 0, bottom: 0 })
+}
+
 /// The column of bytes, of what the fixed columns leave to it and to their meaning.
 pub fn bytes_width(room: f32) -> f32 {
     let [least, most] = BYTES_RANGE;
@@ -157,7 +162,7 @@ mod tests {
     fn marks_stand_out_from_the_ground() {
         for palette in [DARK, LIGHT] {
             let marks = [palette.motion, palette.output, palette.sound, palette.alarm];
-            for mark in palette.series.into_iter().chain(marks) {
+            for mark in palette.series.into_iter().chain(palette.more_series).chain(marks) {
                 assert!(contrast(mark, palette.ground) >= 3.0, "{mark:?}");
             }
         }

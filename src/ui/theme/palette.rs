@@ -36,6 +36,8 @@ pub struct Palette {
     pub error_ground: Color32,
     /// Numbers over time, in the order of the definition.
     pub series: [Color32; 5],
+    /// Further numbers, where those of several modules are drawn together.
+    pub more_series: [Color32; 5],
     pub motion: Color32,
     pub output: Color32,
     pub sound: Color32,
@@ -85,6 +87,13 @@ pub const DARK: Palette = Palette {
         Color32::from_rgb(0xE3, 0x8B, 0xC4),
         Color32::from_rgb(0xEE, 0xE1, 0x6A),
     ],
+    more_series: [
+        Color32::from_rgb(0xA9, 0x94, 0xF5),
+        Color32::from_rgb(0xF7, 0x7B, 0x7B),
+        Color32::from_rgb(0x9C, 0xD8, 0x52),
+        Color32::from_rgb(0x5F, 0xDD, 0xE6),
+        Color32::from_rgb(0xC8, 0xB0, 0x94),
+    ],
     motion: Color32::from_rgb(0xEE, 0xE1, 0x6A),
     output: Color32::from_rgb(0x64, 0xB6, 0xF2),
     sound: Color32::from_rgb(0xE3, 0x8B, 0xC4),
@@ -130,6 +139,13 @@ pub const LIGHT: Palette = Palette {
         Color32::from_rgb(0xA0, 0x32, 0x7A),
         Color32::from_rgb(0x7A, 0x6A, 0x00),
     ],
+    more_series: [
+        Color32::from_rgb(0x5B, 0x3F, 0xC4),
+        Color32::from_rgb(0xC0, 0x1F, 0x45),
+        Color32::from_rgb(0x4A, 0x78, 0x00),
+        Color32::from_rgb(0x00, 0x7A, 0x8A),
+        Color32::from_rgb(0x7A, 0x5B, 0x3E),
+    ],
     motion: Color32::from_rgb(0x8A, 0x70, 0x00),
     output: Color32::from_rgb(0x0B, 0x6C, 0xB4),
     sound: Color32::from_rgb(0xA0, 0x32, 0x7A),
@@ -157,6 +173,17 @@ pub const NO_COLOUR: Color32 = Color32::TRANSPARENT;
 /// The colours in force where `ui` draws.
 pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
+}
+
+/// Colours that there are for numbers.
+const CURVES: usize = 10;
+
+/// The colour of the number at this place among those that are drawn together.
+pub fn curve_colour(palette: &Palette, place: usize) -> Color32 {
+    let [first, second, third, fourth, fifth] = palette.series;
+    // The fifth is that of motion as well, so it comes last.
+    let mut colours = [first, second, third, fourth].into_iter().chain(palette.more_series).chain([fifth]).cycle();
+    colours.nth(place % CURVES).unwrap_or(palette.text)
 }
 
 /// The colour of a switch, by what it stands for.
@@ -189,6 +216,9 @@ pub fn ink(palette: &Palette, ink: Ink) -> Color32 {
         Ink::Facet => picture.facet,
         Ink::Motion => picture.motion,
         Ink::OnMotion => picture.on_motion,
+        Ink::Grid => palette.grid,
+        Ink::Limit => palette.alarm,
+        Ink::Curve(place) => curve_colour(palette, usize::from(place)),
     }
 }
 

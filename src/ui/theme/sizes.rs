@@ -264,6 +264,38 @@ pub const SAMPLE_MARK: f32 = 3.0;
 /// Strokes and gaps of a limit's line.
 pub const DASH: [f32; 2] = [6.0, 4.0];
 
+/// The trends: the list of what can be shown, names beside the plots, the row of events, and the axis of time with its
+/// dates.
+pub const CHOOSER: f32 = 54.0 * UNIT;
+pub const CHOOSER_RANGE: std::ops::RangeInclusive<f32> = 40.0 * UNIT..=90.0 * UNIT;
+/// In a narrower pane the list is closed at first.
+pub const CHOOSER_ROOM: f32 = 200.0 * UNIT;
+/// Less room than this makes two rows of the buttons above the plots.
+pub const TREND_TOOLS: f32 = 170.0 * UNIT;
+/// Least and most width of the names beside the plots, and which part of the room they take between.
+pub const TREND_NAMES: [f32; 2] = [24.0 * UNIT, 40.0 * UNIT];
+pub const TREND_NAMES_PART: f32 = 0.3;
+pub const TREND_EVENTS: f32 = 5.0 * UNIT;
+pub const TREND_AXIS: f32 = 9.0 * UNIT;
+/// What borders between plots can be seized by.
+pub const TREND_BORDER: f32 = 2.0 * UNIT;
+/// Two events nearer than this are one mark.
+pub const EVENT_DISTANCE: f32 = 3.0 * UNIT;
+pub const NOTE_NAME: f32 = 30.0 * UNIT;
+pub const NOTE_WIDTH: f32 = 64.0 * UNIT;
+/// The handle of a time that is held.
+pub const CURSOR_HANDLE: [f32; 2] = [4.0 * UNIT, 4.0 * UNIT];
+pub const SPAN_WIDTH: f32 = 20.0 * UNIT;
+/// The table of values and figures.
+pub const VALUES: f32 = 48.0 * UNIT;
+pub const VALUES_RANGE: std::ops::RangeInclusive<f32> = 22.0 * UNIT..=120.0 * UNIT;
+pub const VALUES_NAME: f32 = 46.0 * UNIT;
+pub const VALUES_COLUMN: f32 = 15.0 * UNIT;
+pub const VALUES_SPAN: f32 = 18.0 * UNIT;
+/// Room for a cursor's name and its time.
+pub const VALUES_CURSOR: f32 = 28.0 * UNIT;
+pub const EVENTS_PANEL: f32 = 48.0 * UNIT;
+
 pub const HAIRLINE: f32 = 1.0;
 pub const TRACE: f32 = 1.5;
 pub const OUTLINE: f32 = 1.5;

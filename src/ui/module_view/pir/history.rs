@@ -84,7 +84,7 @@ fn row(ui: &Ui, rect: Rect, series: &Series<'_>, view: &TimeView, palette: &Pale
 }
 
 fn grid(ui: &Ui, all: Rect, view: &TimeView, palette: &Palette) {
-    for tick in view.ticks().0 {
+    for tick in time_axis::ticks(view).0 {
         let rows = Rangef::new(all.top(), all.bottom() - theme::TIME_AXIS);
         ui.painter().vline(view.x(tick), rows, Stroke::new(theme::HAIRLINE, palette.grid));
     }
