@@ -8,9 +8,11 @@ use super::{Micros, Sample};
 
 /// Samples in a block.
 pub const BLOCK: usize = 512;
-/// Samples whose lowest and highest are known without looking at each.
-pub const GROUP: usize = 16;
+/// Samples whose lowest and highest are known without looking at each: small groups, and large ones.
+pub const GROUPS: [usize; 2] = [16, 128];
 
+/// Samples in a group of a sketch.
+const SKETCHED: usize = GROUPS[0];
 /// Samples that take the room of a group of a sketch.
 const SKETCH_COSTS: usize = 3;
 
@@ -23,8 +25,8 @@ pub struct Columns {
     values: Vec<i64>,
     /// Indices of samples that do not continue the one before.
     gaps: Vec<u16>,
-    /// Of each group the places of its lowest and its highest sample in it.
-    extremes: Vec<[u8; 2]>,
+    /// Of each group of either size the places of its lowest and its highest sample in it.
+    extremes: [Vec<[u8; 2]>; 2],
 }
 
 impl Columns {
@@ -50,15 +52,20 @@ impl Columns {
     }
 
     fn note_extreme(&mut self, index: usize, value: i64) {
-        let (group, place) = (index / GROUP, u8::try_from(index % GROUP).unwrap_or_default());
-        let Some([low, high]) = self.extremes.get(group).copied() else {
-            return self.extremes.push([place, place]);
-        };
-        let of = |place: u8| self.values.get((group * GROUP).saturating_add(usize::from(place))).copied();
-        let low = if of(low).is_some_and(|lowest| value < lowest) { place } else { low };
-        let high = if of(high).is_some_and(|highest| value > highest) { place } else { high };
-        if let Some(extremes) = self.extremes.get_mut(group) {
-            *extremes = [low, high];
+        let Self { values, extremes, .. } = self;
+        for (groups, size) in extremes.iter_mut().zip(GROUPS) {
+            let (begin, place) = (index / size * size, u8::try_from(index % size).unwrap_or_default());
+            let Some([low, high]) = groups.get_mut(index / size) else {
+                groups.push([place, place]);
+                continue;
+            };
+            let of = |place: u8| values.get(begin.saturating_add(usize::from(place))).copied();
+            if of(*low).is_some_and(|lowest| value < lowest) {
+                *low = place;
+            }
+            if of(*high).is_some_and(|highest| value > highest) {
+                *high = place;
+            }
         }
     }
 
@@ -78,10 +85,16 @@ impl Columns {
         self.offsets.partition_point(|offset| i64::from(*offset) < after)
     }
 
-    /// The lowest and highest sample of a group, in order of time.
-    pub fn extremes(&self, group: usize) -> Option<[Sample; 2]> {
-        let [low, high] = *self.extremes.get(group)?;
-        let of = |place: u8| self.get((group * GROUP).saturating_add(usize::from(place)));
+    /// The time of a sample, after the first one, in microseconds.
+    pub fn offset(&self, index: usize) -> Option<u32> {
+        self.offsets.get(index).copied()
+    }
+
+    /// The lowest and highest sample of a group of this size (a place in [`GROUPS`]), in order of time.
+    pub fn extremes(&self, size: usize, group: usize) -> Option<[Sample; 2]> {
+        let [low, high] = *self.extremes.get(size)?.get(group)?;
+        let begin = group.saturating_mul(*GROUPS.get(size)?);
+        let of = |place: u8| self.get(begin.saturating_add(usize::from(place)));
         Some([of(low.min(high))?, of(low.max(high))?])
     }
 }
@@ -108,7 +121,8 @@ struct Group {
 
 impl Sketch {
     pub fn of(samples: &Columns) -> Self {
-        let groups: Vec<Group> = (0..samples.extremes.len()).filter_map(|group| samples.group(group)).collect();
+        let groups: Vec<Group> =
+            (0..samples.extremes.first().map_or(0, Vec::len)).filter_map(|group| samples.group(group)).collect();
         let widest = groups.iter().map(|group| group.last.saturating_sub(group.first)).max().unwrap_or_default();
         Self { first: samples.first, groups, widest }
     }
@@ -131,9 +145,9 @@ impl Sketch {
 
 impl Columns {
     fn group(&self, group: usize) -> Option<Group> {
-        let begin = group.checked_mul(GROUP)?;
-        let end = begin.saturating_add(GROUP).min(self.len()).checked_sub(1)?;
-        let [earlier, later] = self.extremes(group)?;
+        let begin = group.checked_mul(SKETCHED)?;
+        let end = begin.saturating_add(SKETCHED).min(self.len()).checked_sub(1)?;
+        let [earlier, later] = self.extremes(0, group)?;
         let low_first = earlier.value <= later.value;
         let (low, high) = (earlier.value.min(later.value), earlier.value.max(later.value));
         let (first, last) = (*self.offsets.get(begin)?, *self.offsets.get(end)?);
@@ -168,7 +182,7 @@ impl Block {
     /// Whether the samples' lowest and highest in groups would do for columns of so many microseconds.
     pub(super) fn is_coarse_enough(&self, column: f64) -> bool {
         let samples = self.node.count.max(1) as f64;
-        self.node.width() as f64 * GROUP as f64 / samples <= column
+        self.node.width() as f64 * SKETCHED as f64 / samples <= column
     }
 }
 
@@ -180,7 +194,7 @@ mod tests {
     fn a_full_block_takes_no_more() {
         let mut columns = Columns::default();
         let taken = (0..600).filter(|at| columns.push(Sample { at: *at, value: *at, gap: false })).count();
-        assert_eq!((taken, columns.len(), columns.extremes.len()), (BLOCK, BLOCK, BLOCK / GROUP));
+        assert_eq!((taken, columns.len(), columns.extremes[0].len()), (BLOCK, BLOCK, BLOCK / 16));
     }
 
     #[test]

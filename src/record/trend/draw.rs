@@ -1,6 +1,6 @@
 //! What to draw of a trend: of each column of the picture at most the lowest and the highest sample.
 
-use super::block::{Columns, GROUP};
+use super::block::{Columns, GROUPS};
 use super::node::Node;
 use super::{FAN, LEVELS, Micros, Point, Sample, Trend, micros, seconds};
 
@@ -100,25 +100,38 @@ impl Walk<'_, '_> {
         let end = samples.count_before(self.to.saturating_add(1));
         let mut index = begin;
         while index < end {
-            let group = index / GROUP;
-            let next = group.saturating_add(1).saturating_mul(GROUP);
-            let (first, last) = (samples.get(index), samples.get(next.saturating_sub(1)));
-            let narrow = match (first, last) {
-                (Some(first), Some(last)) => last.at.saturating_sub(first.at) as f64 <= self.width,
-                _ => false,
-            };
-            if narrow && index.is_multiple_of(GROUP) && next <= end {
-                let gap = first.is_some_and(|first| first.gap);
-                for sample in samples.extremes(group).into_iter().flatten() {
-                    self.pen.sample(Sample { gap: gap && sample.gap, ..sample });
+            match self.group(samples, index, end) {
+                Some(([first, second], next)) => {
+                    self.pen.sample(first);
+                    self.pen.sample(second);
+                    index = next;
                 }
-            } else {
-                (index..next.min(end))
-                    .filter_map(|place| samples.get(place))
-                    .for_each(|sample| self.pen.sample(sample));
+                None => {
+                    samples.get(index).into_iter().for_each(|sample| self.pen.sample(sample));
+                    index = index.saturating_add(1);
+                }
             }
-            index = next;
         }
+    }
+
+    /// The extremes of the largest group that begins at `index`, ends before `end` and is no wider than a column, and
+    /// where the next one begins.
+    fn group(&self, samples: &Columns, index: usize, end: usize) -> Option<([Sample; 2], usize)> {
+        for (place, size) in GROUPS.into_iter().enumerate().rev() {
+            let next = index.saturating_add(size);
+            if !index.is_multiple_of(size) || next > end {
+                continue;
+            }
+            let (first, last) = (samples.offset(index)?, samples.offset(next.saturating_sub(1))?);
+            if f64::from(last.saturating_sub(first)) > self.width {
+                continue;
+            }
+            let [earlier, later] = samples.extremes(place, index / size)?;
+            // Gaps within a column are not seen; one before it is.
+            let gap = samples.get(index)?.gap;
+            return Some(([Sample { gap, ..earlier }, Sample { gap: false, ..later }], next));
+        }
+        None
     }
 }
 

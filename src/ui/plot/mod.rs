@@ -2,11 +2,13 @@
 //! during which a state stood still.
 
 pub mod limit;
+mod line;
 mod runs;
 mod scale;
 mod time_view;
 mod zone;
 
+pub use line::line;
 pub use runs::{Run, runs};
 pub use scale::Scale;
 pub use time_view::{DAY, MINUTE, TimeView};

@@ -1,12 +1,12 @@
 //! One plot of numbers: grid, lines, limits, and its axes at the left and the right.
 
-use eframe::egui::{Align2, Rangef, Rect, Shape, Stroke, Ui, pos2, vec2};
+use eframe::egui::{Align2, Rangef, Rect, Stroke, Ui, pos2, vec2};
 
 use super::choice::Side;
 use super::limits;
 use super::model::{Axis, PlotModel, traces};
 use super::scene::Scene;
-use crate::ui::plot::Scale;
+use crate::ui::plot::{Scale, line};
 use crate::ui::theme;
 
 /// The areas of one plot.
@@ -51,10 +51,7 @@ pub fn show(ui: &Ui, areas: &Areas, model: &PlotModel<'_>, scene: &Scene<'_>, ti
             let colour = curve.colour(shown.colour, palette);
             for trace in traces(curve, &scene.view, &axis.scale) {
                 let points: Vec<_> = trace.iter().map(|[x, y]| rect.lerp_inside(vec2(*x, *y))).collect();
-                match points.as_slice() {
-                    [alone] => drop(painter.circle_filled(*alone, theme::TRACE, colour)),
-                    _ => drop(painter.add(Shape::line(points, Stroke::new(theme::TRACE, colour)))),
-                }
+                painter.add(line(points, Stroke::new(theme::TRACE, colour)));
             }
             if let Some(value) = scene.pointer.and_then(|at| scene.value(curve, at)) {
                 let place = pos2(scene.view.x(value.at), axis.scale.y(value.value, rect));
