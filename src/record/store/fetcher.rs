@@ -1,13 +1,15 @@
 //! Fetches samples on a thread of its own, so that the window never waits for the disk.
 
 use std::collections::{HashSet, VecDeque};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, PoisonError};
+
 use std::time::{Duration, Instant};
 
 use super::super::objects::SeriesId;
 use super::super::trend::{Micros, Sample};
 use super::Archive;
 use super::problem::StoreError;
+use super::shared::Shared;
 
 /// Stretches that may wait. The oldest are forgotten: nobody looks at them any more.
 const MOST_WANTED: usize = 8_192;
@@ -76,21 +78,9 @@ struct State {
     ending: bool,
 }
 
-#[derive(Default)]
-struct Shared {
-    state: Mutex<State>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// A thread around an archive; it ends when this is dropped.
 pub struct Fetcher {
-    shared: Arc<Shared>,
+    shared: Arc<Shared<State>>,
 }
 
 impl Fetcher {
@@ -99,7 +89,7 @@ impl Fetcher {
     /// # Errors
     /// If no thread can be started.
     pub fn start(archive: Box<dyn Archive>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(Shared::<State>::default());
         let fetch = {
             let shared = shared.clone();
             move || run(&shared, archive, wake)
@@ -134,7 +124,7 @@ impl Drop for Fetcher {
     }
 }
 
-fn run(shared: &Shared, mut archive: Box<dyn Archive>, wake: impl Fn()) {
+fn run(shared: &Shared<State>, mut archive: Box<dyn Archive>, wake: impl Fn()) {
     let mut awake = false;
     loop {
         let mut state = shared.state();

@@ -20,6 +20,7 @@ mod recorder;
 mod rows;
 mod schema;
 mod session;
+mod shared;
 mod shelf;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,8 @@
 //! The thread that writes a recording, and its handle.
 
 use std::sync::atomic::AtomicU32;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, PoisonError};
+
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -12,6 +13,7 @@ use super::super::trend::Micros;
 use super::inbox::Inbox;
 use super::problem::StoreError;
 use super::session::Session;
+use super::shared::Shared;
 use super::shelf::{Files, Shelf};
 use super::{Destination, RecordingStatus};
 
@@ -36,17 +38,7 @@ struct State {
     idle: bool,
 }
 
-#[derive(Default)]
-struct Shared {
-    state: Mutex<State>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
+impl Shared<State> {
     /// Waits until `is_so`, or `until` at the latest; for ever without. Whether it is so.
     fn wait(&self, until: Option<Instant>, is_so: impl Fn(&State) -> bool) -> bool {
         let mut state = self.state();
@@ -68,7 +60,7 @@ impl Shared {
 
 /// Writes a recording on a thread of its own.
 pub struct Recorder {
-    shared: Arc<Shared>,
+    shared: Arc<Shared<State>>,
     shelf: Shelf,
     thread: Option<JoinHandle<()>>,
 }
@@ -89,7 +81,7 @@ impl Recorder {
         pages: Option<Arc<AtomicU32>>,
         wake: impl Fn() + Send + 'static,
     ) -> std::io::Result<Self> {
-        let (shared, shelf) = (Arc::new(Shared::default()), Shelf::default());
+        let (shared, shelf) = (Arc::new(Shared::<State>::default()), Shelf::default());
         shared.state().status.since = Some(Timestamp::now());
         let session = Session::new(destination, shelf.clone(), pages);
         let writer = Writer {
@@ -163,7 +155,7 @@ impl Drop for Recorder {
 
 /// The thread's side.
 struct Writer {
-    shared: Arc<Shared>,
+    shared: Arc<Shared<State>>,
     session: Session,
     shelf: Shelf,
     /// Samples that cannot be written at all.

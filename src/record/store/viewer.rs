@@ -1,7 +1,8 @@
 //! A recording in the window: read on a thread of its own, and kept up to date while it grows.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, PoisonError};
+
 use std::time::{Duration, Instant};
 
 use super::super::history::History;
@@ -12,6 +13,7 @@ use super::fetcher::Wants;
 use super::news::News;
 use super::problem::StoreError;
 use super::reading::Recording;
+use super::shared::Shared;
 
 /// How often it is looked whether the recording has grown.
 const LOOK: Duration = Duration::from_secs(1);
@@ -35,22 +37,10 @@ struct State {
     ending: bool,
 }
 
-#[derive(Default)]
-struct Shared {
-    state: Mutex<State>,
-    changed: Condvar,
-}
-
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// A recording opened for the window. The thread ends when this is dropped.
 pub struct Viewer {
     path: PathBuf,
-    shared: Arc<Shared>,
+    shared: Arc<Shared<State>>,
     history: Option<History>,
     problem: Option<StoreError>,
 }
@@ -61,7 +51,7 @@ impl Viewer {
     /// # Errors
     /// If no thread can be started.
     pub fn open(path: PathBuf, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(Shared::<State>::default());
         shared.state().pumped = Some(Instant::now());
         let reader = Reader { path: path.clone(), shared: shared.clone(), recording: None, wake };
         std::thread::Builder::new().name("recording viewer".to_owned()).spawn(move || reader.run())?;
@@ -135,7 +125,7 @@ impl Drop for Viewer {
 /// The thread's side.
 struct Reader<F> {
     path: PathBuf,
-    shared: Arc<Shared>,
+    shared: Arc<Shared<State>>,
     recording: Option<Recording>,
     wake: F,
 }
