@@ -39,7 +39,7 @@ fn main() {
         if second % AT_ONCE == 0 {
             recorder.put(history.take_news());
             wait_for_disk(&recorder);
-            history.tidy(Some(recorder.status().saved_until.unwrap_or(i64::MIN)));
+            history.tidy(recorder.status().saved_until, true);
             highest = highest.max(resident());
         }
     }

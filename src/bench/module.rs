@@ -211,6 +211,7 @@ impl Module {
         for Answer { id, at, result } in values {
             match result {
                 Ok(value) => self.take_value(history, at, id, value),
+                Err(_) if self.is_outdated(&id, at) => {}
                 Err(failure) => {
                     if let Some(observer) = &mut self.observer {
                         observer.missing(history, &id);
@@ -231,6 +232,9 @@ impl Module {
     }
 
     pub(super) fn take_value(&mut self, history: &mut History, at: Timestamp, id: String, value: Value) {
+        if self.is_outdated(&id, at) {
+            return;
+        }
         let definition = self.definition().cloned();
         let item = definition.as_ref().and_then(|definition| definition.item(&id));
         if let (Some(observer), Some(item)) = (&mut self.observer, item)
@@ -239,6 +243,11 @@ impl Module {
             self.journal.push(entry);
         }
         self.readings.insert(id, Reading { value: Some(value), at: Some(at), problem: None, written: false });
+    }
+
+    /// A write between two questions of a poll brings something newer than what the poll tells when it ends.
+    fn is_outdated(&self, id: &str, at: Timestamp) -> bool {
+        self.reading(id).and_then(|reading| reading.at).is_some_and(|known| at < known)
     }
 
     fn note_presence(&mut self, at: Timestamp, silent: Option<Failure>) {

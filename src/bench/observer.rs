@@ -14,9 +14,10 @@ use crate::record::{EventKind, History, ModuleId, ModuleInfo, SeriesId, SeriesIn
 
 /// Settings that are kept as series too, because plots draw them beside the readings.
 const LIMITS: [&str; 2] = ["alarm_limit", "alarm_mode"];
-/// Samples further apart than so many intervals, and than so long, have a gap between them: polls were missed.
-const MISSED_INTERVALS: u32 = 3;
-const MISSED_AT_LEAST: Duration = Duration::from_secs(2);
+/// A sample that comes so much later than its interval has a gap before it, polls were missed: half an interval, this at
+/// least, and not only as late as on a line that is always too slow for its polls.
+const LATE_AT_LEAST: Duration = Duration::from_secs(2);
+const TIMES_THE_LAST_STEP: u32 = 3;
 
 /// One module as a history knows it.
 #[derive(Debug, Clone)]
@@ -32,6 +33,8 @@ struct Seen {
     series: SeriesId,
     at: Timestamp,
     on: Option<bool>,
+    /// From the sample before.
+    step: Duration,
 }
 
 /// How a recording describes a module.
@@ -94,12 +97,19 @@ impl Observer {
                 kind,
             }),
         };
-        if item.live && before.is_some_and(|seen| missed(seen.at, at, interval)) {
+        let step = before.map_or(Duration::ZERO, |seen| seen.step);
+        let passed = before.map_or(Duration::ZERO, |seen| since(seen.at, at));
+        let missed = item.live && interval.is_some_and(|interval| is_missed(passed, interval, step));
+        if missed {
             history.mark_gap(series);
         }
         history.push(series, micros_of(at), raw);
+        if item.live && interval.is_none() {
+            // Nobody knows what it was until it is asked for again.
+            history.mark_gap(series);
+        }
         let on = value.as_bool();
-        self.series.insert(item.id.clone(), Seen { series, at, on });
+        self.series.insert(item.id.clone(), Seen { series, at, on, step: passed });
         let (before, now) = (before?.on?, on?);
         (item.live && before != now).then(|| {
             let kind = SwitchKind::of(&item.id);
@@ -169,10 +179,13 @@ fn raw(kind: &SeriesKind, value: &Value) -> Option<i64> {
     }
 }
 
-fn missed(before: Timestamp, at: Timestamp, interval: Option<Duration>) -> bool {
-    let Some(interval) = interval else { return false };
-    let passed = Duration::try_from(at.duration_since(before)).unwrap_or_default();
-    passed > interval.saturating_mul(MISSED_INTERVALS).max(interval.saturating_add(MISSED_AT_LEAST))
+fn since(before: Timestamp, at: Timestamp) -> Duration {
+    Duration::try_from(at.duration_since(before)).unwrap_or_default()
+}
+
+fn is_missed(passed: Duration, interval: Duration, step: Duration) -> bool {
+    let late = interval.saturating_add((interval / 2).max(LATE_AT_LEAST));
+    passed > late.max(step.saturating_mul(TIMES_THE_LAST_STEP))
 }
 
 #[cfg(test)]
@@ -219,6 +232,17 @@ mod tests {
         }
         let expected = [(10, 1_000, false), (11, 1_100, false), (13, 1_300, false), (20, 2_000, true)];
         assert_eq!(samples(&history, &observer, "temperature_c"), expected);
+    }
+
+    #[test]
+    fn a_line_that_is_too_slow_for_its_polls_has_no_gaps_but_one_that_stood_still_has() {
+        let mut history = History::default();
+        let mut observer = observer(&mut history);
+        for second in [0, 3, 7, 12, 17, 22, 60] {
+            take(&mut observer, &mut history, "temperature_c", second, number(1));
+        }
+        let gaps: Vec<bool> = samples(&history, &observer, "temperature_c").iter().map(|sample| sample.2).collect();
+        assert_eq!(gaps, [false, false, false, false, false, false, true]);
     }
 
     #[test]

@@ -139,6 +139,7 @@ impl Bench {
     /// Stops recording and waits until everything is written, but not for ever; for the end of the program. What could not
     /// be written.
     pub fn end_recording(&mut self) -> Vec<String> {
+        self.drain();
         self.stop_recording();
         self.shelf.wait()
     }
@@ -173,14 +174,14 @@ impl Bench {
         self.tell_of_ends();
         take_entries(&mut self.modules).into_iter().for_each(|event| self.add_event(event));
         let Self { history, recording, .. } = self;
-        let Some(Recording { recorder, status }) = recording else { return history.tidy(None) };
+        let Some(Recording { recorder, status }) = recording else { return history.tidy(self.shelf.saved(), false) };
         let news = history.take_news();
         if !news.is_empty() {
             recorder.put(news);
         }
         let before = std::mem::replace(status, recorder.status());
         // What was measured before it began was handed over too.
-        history.tidy(Some(status.saved_until.unwrap_or(i64::MIN)));
+        history.tidy(status.saved_until, true);
         let (problem, lost) = (status.problem.clone(), status.lost > before.lost && before.lost == 0);
         match (before.problem, problem) {
             (_, Some(problem)) if lost => self.notify(Severity::Error, format!("Samples are lost: {problem}")),

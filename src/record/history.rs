@@ -39,6 +39,8 @@ pub struct History {
     news: Option<Vec<Record>>,
     /// Samples in memory, as it was counted last.
     resident: usize,
+    /// Below that there is no use in tidying again.
+    tidy_at: usize,
 }
 
 impl History {
@@ -184,17 +186,23 @@ impl History {
     }
 
     /// Keeps the memory bounded: samples that a recording has saved, which is everything before `saved`, are given up and
-    /// fetched again when they are looked at; without a recording (`None`) the oldest are forgotten.
-    pub fn tidy(&mut self, saved: Option<Micros>) {
-        if self.resident <= MOST_RESIDENT {
+    /// fetched again when they are looked at. Where that is not enough, because nothing is recorded or the disk cannot be
+    /// written for long, the oldest are forgotten.
+    pub fn tidy(&mut self, saved: Option<Micros>, recording: bool) {
+        if self.resident <= self.tidy_at.max(MOST_RESIDENT) {
             return;
         }
         let wanted = MOST_RESIDENT / 4 * 3;
         self.resident = self.series.iter().map(|series| series.trend.resident()).sum();
-        match saved {
-            Some(saved) => self.give_up(saved, wanted),
-            None => self.forget(wanted),
+        if let Some(saved) = saved {
+            self.give_up(saved, wanted);
         }
+        // What waits for the disk is also wanted in the plots, for a while.
+        let most = if recording { MOST_RESIDENT.saturating_mul(2) } else { MOST_RESIDENT };
+        if self.resident > most {
+            self.forget(wanted);
+        }
+        self.tidy_at = self.resident.saturating_add(MOST_RESIDENT / 64);
     }
 
     /// First what was never looked at since long, then the rest.
@@ -290,12 +298,24 @@ mod tests {
         let (mut history, id) = history();
         for at in 0..310_000 {
             history.push(id, at, at);
-            history.tidy(None);
+            history.tidy(None, false);
         }
         let trend = &history.get(id).unwrap().trend;
-        assert!(trend.resident() <= MOST_RESIDENT);
+        assert!(trend.resident() <= MOST_RESIDENT + MOST_RESIDENT / 32);
         assert_eq!(trend.last_sample().unwrap().at, 309_999);
         assert_eq!(trend.len(), trend.resident() as u64);
+    }
+
+    #[test]
+    fn a_disk_that_cannot_be_written_for_long_does_not_fill_the_memory() {
+        let (mut history, id) = history();
+        for at in 0..310_000 {
+            history.push(id, at, at);
+            history.tidy(Some(0), true);
+        }
+        let trend = &history.get(id).unwrap().trend;
+        assert!(trend.resident() <= 2 * MOST_RESIDENT + MOST_RESIDENT / 32);
+        assert_eq!(trend.last_sample().unwrap().at, 309_999);
     }
 
     #[test]
@@ -303,10 +323,10 @@ mod tests {
         let (mut history, id) = history();
         for at in 0..310_000 {
             history.push(id, at, at);
-            history.tidy(Some(at));
+            history.tidy(Some(at), true);
         }
         let trend = &history.get(id).unwrap().trend;
-        assert!(trend.resident() <= MOST_RESIDENT);
+        assert!(trend.resident() <= MOST_RESIDENT + MOST_RESIDENT / 32);
         assert_eq!(trend.len(), 310_000);
     }
 }

@@ -19,5 +19,5 @@ pub use objects::{
 pub use store::{
     Archive, Destination, Fetcher, Files, Keeping, Recorder, Recording, RecordingStatus, StoreError, Viewer,
 };
-pub use trend::{BLOCK, Block, Columns, Micros, Node, Point, Sample, Statistics, Trend, micros, seconds};
+pub use trend::{Around, BLOCK, Block, Columns, Micros, Node, Point, Sample, Statistics, Trend, micros, seconds};
 pub use writer::FileWriter;

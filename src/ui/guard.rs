@@ -27,6 +27,8 @@ enum Held {
         targets: Vec<Target>,
         then: Then,
     },
+    /// What was measured and is not on the disk would be lost by quitting.
+    Unsaved,
 }
 
 enum Then {
@@ -52,6 +54,12 @@ pub struct Outcome {
 /// Whether leaving this module loses something: changes, or the Host OK that keeps its relays.
 fn holds_back(module: &Module) -> bool {
     !module.edits.is_empty() || (module.host_ok.is_some() && module.watchdog_counts())
+}
+
+/// How much waits for the disk, and why it cannot be written.
+fn unsaved(bench: &Bench) -> Option<(u64, &str)> {
+    let status = bench.recording().filter(|status| status.waiting > 0)?;
+    Some((status.waiting, status.problem.as_deref()?))
 }
 
 fn all_that_hold_back(bench: &Bench) -> Vec<Target> {
@@ -104,6 +112,9 @@ impl Guard {
         if !targets.is_empty() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.held = Some(Held::Leaving { targets, then: Then::Quit });
+        } else if unsaved(bench).is_some() {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.held = Some(Held::Unsaved);
         }
     }
 
@@ -116,12 +127,30 @@ impl Guard {
             decided = match &held {
                 Held::Confirm(confirm) => ask(ui, confirm, &mut outcome),
                 Held::Leaving { targets, then } => self.ask_leaving(ui, bench, targets, then, &mut outcome),
+                Held::Unsaved => self.ask_unsaved(ui, bench),
             };
         });
         if !decided && !modal.should_close() {
             self.held = Some(held);
         }
         outcome
+    }
+
+    fn ask_unsaved(&mut self, ui: &mut Ui, bench: &Bench) -> bool {
+        let Some((waiting, problem)) = unsaved(bench) else { return true };
+        heading(ui, "What was measured is not on the disk");
+        ui.label(format!("{waiting} samples and events wait in memory: {problem}"));
+        ui.add_space(theme::GAP);
+        let mut decided = false;
+        ui.horizontal(|ui| {
+            if ui.button("Quit and lose them").clicked() {
+                self.quitting = true;
+                ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+                decided = true;
+            }
+            decided |= ui.button("Cancel").clicked();
+        });
+        decided
     }
 
     fn ask_leaving(

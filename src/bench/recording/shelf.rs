@@ -80,6 +80,11 @@ impl Shelf {
         !found.is_empty()
     }
 
+    /// Everything earlier is on the disk, in the files of recordings that have ended.
+    pub fn saved(&self) -> Option<Micros> {
+        self.until.values().min().copied()
+    }
+
     /// Why what was given up could not be fetched; each reason is told once.
     pub fn new_problem(&mut self) -> Option<String> {
         let problem = self.fetcher.as_ref().and_then(Fetcher::problem);

@@ -57,7 +57,7 @@ impl Roll {
         self.looked = Instant::now();
         let status = self.recorder.status();
         // What is not on the disk yet is not given up, however much it is: the recorder bounds it.
-        self.history.tidy(Some(status.saved_until.unwrap_or(i64::MIN)));
+        self.history.tidy(status.saved_until, true);
         self.say_problem(&status);
         let (elapsed, samples) = (self.begin.elapsed(), self.samples);
         self.line.show(|| describe(elapsed, samples, &status));

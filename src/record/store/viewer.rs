@@ -87,7 +87,7 @@ impl Viewer {
     fn ask(&mut self) -> bool {
         let Some(history) = &mut self.history else { return false };
         // What is on the disk is given up again when it is too much.
-        history.tidy(Some(Micros::MAX));
+        history.tidy(Some(Micros::MAX), true);
         let ids: Vec<SeriesId> = history.series().map(|(id, _)| id).collect();
         let mut any = false;
         for id in ids {

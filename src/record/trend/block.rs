@@ -179,6 +179,17 @@ impl Block {
         self.samples.as_ref().map_or(0, |samples| samples.len()).saturating_add(sketch)
     }
 
+    /// Its first sample does not continue the one before it any more.
+    pub(super) fn mark_gap(&mut self) {
+        self.node.gap = true;
+        if let Some(samples) = &mut self.samples {
+            let gaps = &mut Arc::make_mut(samples).gaps;
+            if gaps.first() != Some(&0) {
+                gaps.insert(0, 0);
+            }
+        }
+    }
+
     /// Whether the samples' lowest and highest in groups would do for columns of so many microseconds.
     pub(super) fn is_coarse_enough(&self, column: f64) -> bool {
         let samples = self.node.count.max(1) as f64;

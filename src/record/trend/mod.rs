@@ -57,6 +57,16 @@ pub struct Trend {
     wanted: RefCell<Vec<Want>>,
 }
 
+/// The samples next to a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Around {
+    /// At that time or before it.
+    pub before: Option<Point>,
+    pub after: Option<Point>,
+    /// There is no gap between the two.
+    pub joined: bool,
+}
+
 /// A block whose samples are wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Want {
@@ -190,6 +200,21 @@ impl Trend {
         candidates.into_iter().flatten().min_by_key(distance).map(|sample| self.point(sample))
     }
 
+    /// The samples around a time; none while they are on the disk only.
+    pub fn around(&self, at: f64) -> Option<Around> {
+        let at = micros(at);
+        let (before, after) =
+            (self.sample_before(at.saturating_add(1)).ok()?, self.sample_from(at.saturating_add(1)).ok()?);
+        let joined = before.is_some() && after.is_some_and(|after| !after.gap);
+        let point = |sample: Option<Sample>| sample.map(|sample| self.point(sample));
+        Some(Around { before: point(before), after: point(after), joined })
+    }
+
+    /// Whether something that was looked at is on the disk only.
+    pub fn is_wanting(&self) -> bool {
+        !self.wanted.borrow().is_empty()
+    }
+
     /// The last sample earlier than `at`.
     fn sample_before(&self, at: Micros) -> Result<Option<Sample>, Absent> {
         let Some(index) = self.blocks.partition_point(|block| block.node.first < at).checked_sub(1) else {
@@ -278,19 +303,24 @@ impl Trend {
         .sum()
     }
 
-    /// Forgets the oldest samples, so many at least, as whole blocks: for histories that are kept in memory only.
+    /// Forgets the oldest samples that are in memory, so many at least, as whole blocks; what is on the disk stays. Where
+    /// they were is a gap. How many it forgot.
     pub fn forget_oldest(&mut self, samples: usize) -> usize {
-        let mut forgotten = 0usize;
-        let mut count = 0usize;
-        let most = self.blocks.len().saturating_sub(1);
-        for block in self.blocks.iter().take(most) {
-            if forgotten >= samples {
-                break;
+        let last = self.blocks.len().saturating_sub(1);
+        let (mut forgotten, mut gap, mut kept) = (0usize, false, Vec::with_capacity(self.blocks.len()));
+        for (index, mut block) in std::mem::take(&mut self.blocks).into_iter().enumerate() {
+            if block.samples.is_some() && forgotten < samples && index < last {
+                forgotten = forgotten.saturating_add(block.resident());
+                gap = !kept.is_empty();
+                continue;
             }
-            forgotten = forgotten.saturating_add(usize::try_from(block.node.count).unwrap_or(usize::MAX));
-            count = count.saturating_add(1);
+            if std::mem::take(&mut gap) {
+                block.mark_gap();
+            }
+            kept.push(block);
         }
-        self.blocks.drain(..count);
+        self.blocks = kept;
+        self.wanted.take();
         self.levels = Default::default();
         for index in 0..self.blocks.len() {
             if let Some(node) = self.blocks.get(index).map(|block| block.node) {

@@ -152,6 +152,17 @@ fn the_oldest_are_forgotten_in_whole_blocks() {
 }
 
 #[test]
+fn what_is_forgotten_between_leaves_a_gap_and_what_is_on_the_disk_stays() {
+    let mut whole = trend((0..5_000).map(|_| 3));
+    whole.give_up(1_100 * SECOND, 0);
+    assert_eq!(whole.forget_oldest(1_000), 1_024);
+    assert_eq!((whole.first(), whole.len()), (Some(0.0), 5_000 - 1_024));
+    let lines = whole.lines(0.0, 5_000.0, 100);
+    assert_eq!(lines.len(), 2, "the third and fourth block are gone");
+    assert_eq!(lines[1][0][0], 2_048.0);
+}
+
+#[test]
 fn a_switch_that_was_on_before_counts_as_on() {
     let mut trend = Trend::default();
     for (at, value) in [(0, 0), (10, 1), (15, 1), (30, 0), (50, 1), (90, 0)] {

@@ -3,7 +3,7 @@
 use eframe::egui::{Align, Color32, Rect, Ui};
 
 use crate::bench::SwitchKind;
-use crate::record::{History, ModuleInfo, Point, Series, SeriesId, SeriesInfo, SeriesKind, Statistics, Trend};
+use crate::record::{Around, History, ModuleInfo, Point, Series, SeriesId, SeriesInfo, SeriesKind, Statistics, Trend};
 use crate::ui::plot::{Run, TimeView, runs};
 use crate::ui::settings::TemperatureUnit;
 use crate::ui::theme::{self, Palette};
@@ -163,23 +163,17 @@ impl<'a> Curve<'a> {
     /// The value at a time: of a number the nearest sample, of a state what it was then. Nothing in a gap, unless a
     /// sample is no further away than `reach` seconds.
     pub fn value_at(&self, at: f64, reach: f64) -> Option<Value> {
-        let around = self.trend.lines(at, at, 1);
+        let Around { before, after, joined } = self.trend.around(at)?;
         let value = |[at, value]: Point| Value { at, value };
         let distance = |point: &Point| (point[0] - at).abs();
-        let inside = around.iter().find(|stretch| {
-            stretch.first().is_some_and(|first| first[0] <= at) && stretch.last().is_some_and(|last| last[0] >= at)
-        });
-        if let Some(stretch) = inside {
-            let before = stretch.iter().rev().find(|point| point[0] <= at);
-            let nearest = stretch.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            return if self.is_number() { nearest } else { before }.copied().map(value);
+        let nearest = before.into_iter().chain(after).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if joined || before.is_some_and(|before| before[0] == at) {
+            return if self.is_number() { nearest } else { before }.map(value);
         }
         if self.is_setting() {
-            let before = around.iter().flatten().rev().find(|point| point[0] <= at);
-            return before.copied().map(value);
+            return before.map(value);
         }
-        let nearest = around.iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(nearest) <= reach).then(|| value(*nearest))
+        nearest.filter(|nearest| distance(nearest) <= reach).map(value)
     }
 
     pub fn value_text(&self, value: Option<Value>) -> String {

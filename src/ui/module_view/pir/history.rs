@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::face::zone_of;
 use crate::bench::Module;
-use crate::record::Trend;
+use crate::record::{Statistics, Trend};
 use crate::ui::module_view::form;
 use crate::ui::module_view::series::Series;
 use crate::ui::module_view::strips;
@@ -73,8 +73,10 @@ fn first(trend: &Trend, from: f64, to: f64) -> Option<f64> {
 }
 
 fn row(ui: &Ui, rect: Rect, series: &Series<'_>, view: &TimeView, palette: &Palette) {
-    let seen = series.trend.map(|trend| seen(trend, view.from, view.to)).unwrap_or_default();
-    let words = seen.words();
+    let words = match series.trend.map(|trend| seen(trend, view.from, view.to)) {
+        Some(None) => words::UNKNOWN.to_owned(),
+        seen => seen.flatten().unwrap_or_default().words(),
+    };
     let [name, text] = [rect.with_max_x(view.columns.min - theme::GAP), rect.with_min_x(view.columns.max + theme::GAP)];
     widgets::line_in(ui, name, Align::Min, series.label, theme::small(), palette.quiet);
     strips::draw(ui.painter(), Rect::from_x_y_ranges(view.columns, rect.y_range()), series, view, palette);
@@ -90,9 +92,10 @@ fn grid(ui: &Ui, all: Rect, view: &TimeView, palette: &Palette) {
     }
 }
 
-fn seen(trend: &Trend, from: f64, to: f64) -> Seen {
-    let found = trend.statistics(from, to).unwrap_or_default();
-    Seen { times: found.times, seconds: found.on }
+/// Nothing while some of the samples are on the disk only.
+fn seen(trend: &Trend, from: f64, to: f64) -> Option<Seen> {
+    let found = trend.statistics(from, to).or_else(|| (!trend.is_wanting()).then(Statistics::default))?;
+    Some(Seen { times: found.times, seconds: found.on })
 }
 
 impl Seen {
@@ -116,7 +119,7 @@ mod tests {
         for (at, value) in [(0, 0), (10, 1), (15, 1), (30, 0), (50, 1), (90, 0)] {
             trend.push(at * 1_000_000, value);
         }
-        assert_eq!(seen(&trend, 0.0, 100.0).words(), "motion 2 times, 1 min 0 s in all");
-        assert_eq!(seen(&Trend::default(), 0.0, 100.0).words(), "no motion");
+        assert_eq!(seen(&trend, 0.0, 100.0).unwrap().words(), "motion 2 times, 1 min 0 s in all");
+        assert_eq!(seen(&Trend::default(), 0.0, 100.0).unwrap().words(), "no motion");
     }
 }
