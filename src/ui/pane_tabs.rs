@@ -111,11 +111,12 @@ impl Behavior<Pane> for Tabs<'_, '_> {
                 self.wishes.push(Wish::Window(pane));
             }
         }
-        if tiles.find_pane(&Pane::Trends).is_none() && ui.button("Trends").clicked() {
-            self.wishes.push(Wish::Open(Pane::Trends));
-        }
-        if tiles.find_pane(&Pane::Traffic).is_none() && ui.button("Traffic").clicked() {
-            self.wishes.push(Wish::Open(Pane::Traffic));
+        for (pane, name) in [(Pane::Traffic, "Traffic"), (Pane::Trends, "Trends")] {
+            // Its room stays, so that the other does not move under the pointer.
+            let open = tiles.find_pane(&pane).is_some();
+            if ui.add_visible(!open, egui::Button::new(name)).clicked() {
+                self.wishes.push(Wish::Open(pane));
+            }
         }
     }
 

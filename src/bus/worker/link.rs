@@ -1,5 +1,6 @@
 //! The line itself: opening, losing, taking up again, and what is counted on it.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -17,6 +18,8 @@ use crate::protocol::{Failure, LineSettings};
 const REOPEN_PORT_EVERY: Duration = Duration::from_secs(1);
 const REOPEN_HOST_EVERY: Duration = Duration::from_secs(5);
 const STATISTICS_EVERY: Duration = Duration::from_millis(500);
+/// Rates are taken over so many of these times.
+const RATE_OVER: usize = 6;
 
 /// A line that is open, or was and is to be taken up again.
 pub struct OpenLine {
@@ -36,6 +39,27 @@ struct Told {
     at: Instant,
     transactions: u64,
     rate: f32,
+    /// Times and counts before, over which the rate is taken: polls come once a second, so less would swing.
+    before: VecDeque<(Instant, u64)>,
+}
+
+impl Told {
+    fn new(transactions: u64) -> Self {
+        Self { at: Instant::now(), transactions, rate: 0.0, before: VecDeque::new() }
+    }
+
+    /// Takes in how many transactions there were until now.
+    fn note(&mut self, transactions: u64) {
+        self.before.push_back((self.at, self.transactions));
+        if self.before.len() > RATE_OVER {
+            self.before.pop_front();
+        }
+        (self.at, self.transactions) = (Instant::now(), transactions);
+        if let Some((since, count)) = self.before.front() {
+            let elapsed = self.at.saturating_duration_since(*since).as_secs_f32().max(f32::EPSILON);
+            self.rate = transactions.saturating_sub(*count) as f32 / elapsed;
+        }
+    }
 }
 
 impl OpenLine {
@@ -74,7 +98,7 @@ impl Worker {
             Ok(mut dialogue) => {
                 dialogue.not_before(self.latest);
                 let now = Instant::now();
-                let told = Told { at: now, transactions: 0, rate: 0.0 };
+                let told = Told::new(0);
                 let (dialogue, look_at) = (Some(dialogue), now + LOOK_EVERY);
                 self.line = Some(OpenLine { address, settings, dialogue, memory: None, look_at, frames_missed, told });
                 self.tell(BusEvent::Opened { id, line });
@@ -183,9 +207,8 @@ impl Worker {
         }
         let Some(dialogue) = &line.dialogue else { return };
         let counts = dialogue.counts();
-        let since = counts.transactions.saturating_sub(line.told.transactions);
-        let rate = since as f32 / elapsed.as_secs_f32();
-        line.told = Told { at: Instant::now(), transactions: counts.transactions, rate };
+        line.told.note(counts.transactions);
+        let rate = line.told.rate;
         let frames_missed = line.frames_missed.load(Ordering::Relaxed);
         self.tell(BusEvent::Statistics(Statistics { transactions_per_second: rate, frames_missed, ..counts }));
     }

@@ -11,8 +11,10 @@ pub struct Statistics {
     pub high: f64,
     /// Of the samples.
     pub mean: f64,
-    /// How often it was on: for switches, above all for motion.
+    /// How often it came on: for switches, above all for motion.
     pub times: u64,
+    /// It was on already when the time began.
+    pub on_at_start: bool,
     /// Seconds during which it was on. A sample stands for the time until the next one.
     pub on: f64,
     /// Seconds that were observed, which is less than the span where samples are missing.
@@ -73,6 +75,7 @@ impl Trend {
             high: node.high as f64 / scale,
             mean: node.sum as f64 / node.count.max(1) as f64 / scale,
             times: node.rises,
+            on_at_start: false,
             on: node.on as f64 / 1e6,
             observed: node.observed as f64 / 1e6,
         }
@@ -97,7 +100,7 @@ impl Trend {
             result.observed -= outside;
             if before.value != 0 {
                 result.on -= outside;
-                result.times = result.times.saturating_add(1);
+                result.on_at_start = true;
             }
         }
         let Some(after) = after else { return };
@@ -106,7 +109,7 @@ impl Trend {
         result.observed += span(begin, to);
         if end.value != 0 {
             result.on += span(begin, to);
-            result.times = result.times.saturating_add(u64::from(all.is_none()));
+            result.on_at_start |= all.is_none();
         }
     }
 

@@ -42,6 +42,9 @@ fn state(bench: &Bench, palette: &Palette) -> (Glyph, Color32, String) {
         Some(RecordingStatus { problem: Some(_), waiting, .. }) => {
             (Glyph::Triangle, palette.warning, format!("not on disk: {} wait", count(*waiting)))
         }
+        Some(_) if bench.modules().iter().all(|module| module.interval.is_none()) => {
+            (Glyph::Frame, palette.quiet, "recording, nothing is polled".to_owned())
+        }
         Some(status) => {
             let since = status.since.map_or_else(String::new, |since| {
                 let lasting = words::since(since, bench.now());

@@ -294,6 +294,11 @@ pub const VALUES_COLUMN: f32 = 15.0 * UNIT;
 pub const VALUES_SPAN: f32 = 18.0 * UNIT;
 /// Room for a cursor's name and its time.
 pub const VALUES_CURSOR: f32 = 28.0 * UNIT;
+/// What a panel below the plots takes of `height`, at first and at most, so that the plots can still be read.
+pub fn below_plots(wanted: f32, height: f32) -> [f32; 2] {
+    [wanted.min(height * 0.27), (height * 0.4).max(*VALUES_RANGE.start())]
+}
+
 pub const EVENTS_PANEL: f32 = 48.0 * UNIT;
 
 pub const HAIRLINE: f32 = 1.0;

@@ -160,7 +160,7 @@ impl<'a> Curve<'a> {
         self.lines(view).iter().flat_map(|stretch| runs(stretch)).collect()
     }
 
-    /// The value at a time: of a number the nearest sample, of a state what it was then. Nothing in a gap, unless a
+    /// The value at a time: the last one until then. Nothing in a gap, unless a
     /// sample is no further away than `reach` seconds.
     pub fn value_at(&self, at: f64, reach: f64) -> Option<Value> {
         let Around { before, after, joined } = self.trend.around(at)?;
@@ -168,7 +168,7 @@ impl<'a> Curve<'a> {
         let distance = |point: &Point| (point[0] - at).abs();
         let nearest = before.into_iter().chain(after).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if joined || before.is_some_and(|before| before[0] == at) {
-            return if self.is_number() { nearest } else { before }.map(value);
+            return before.map(value);
         }
         if self.is_setting() {
             return before.map(value);

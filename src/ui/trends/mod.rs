@@ -74,7 +74,7 @@ impl TrendView {
         let kept = if source.is_live() { pass.settings.trend_series.as_slice() } else { &[] };
         self.area.choice.keep_up(source.history, pass.settings.temperature, kept);
 
-        let room = ui.available_width();
+        let (room, height) = (ui.available_width(), ui.available_height());
         tools::show(ui, self, pass.settings, known);
         ui.add_space(theme::UNIT);
         let scene = Scene {
@@ -94,8 +94,8 @@ impl TrendView {
             };
             export::ask(source, plots, pass);
         }
-        self.list_events(ui, source, &scene.view, pass);
-        self.tell_values(ui, &scene);
+        self.list_events(ui, source, &scene.view, height, pass);
+        self.tell_values(ui, &scene, height);
         self.choose(ui, &scene, pass, room);
         let name = format!("{}-{}", source.name, words::for_file(pass.bench.now()));
         let Self { pictures, area, .. } = self;
@@ -116,12 +116,13 @@ impl TrendView {
         });
     }
 
-    fn list_events(&mut self, ui: &mut Ui, source: &Source<'_>, view: &TimeView, pass: &mut Pass<'_>) {
+    fn list_events(&mut self, ui: &mut Ui, source: &Source<'_>, view: &TimeView, height: f32, pass: &mut Pass<'_>) {
         if !self.events_open {
             return;
         }
         let panel = Panel::bottom("events").frame(theme::details_frame()).resizable(true);
-        let panel = panel.default_size(theme::EVENTS_PANEL).size_range(theme::VALUES_RANGE);
+        let [usual, most] = theme::below_plots(theme::EVENTS_PANEL, height);
+        let panel = panel.default_size(usual).size_range(*theme::VALUES_RANGE.start()..=most);
         let at = panel.show(ui, |ui| self.events.show(ui, source, [view.from, view.to], pass)).inner;
         if let Some(at) = at {
             self.area.window.centre(at);
@@ -129,14 +130,14 @@ impl TrendView {
         }
     }
 
-    fn tell_values(&mut self, ui: &mut Ui, scene: &Scene<'_>) {
+    fn tell_values(&mut self, ui: &mut Ui, scene: &Scene<'_>, height: f32) {
         if !self.table_open {
             return;
         }
         let drawn = scene.curves(&self.area.choice).filter(|(_, shown)| !shown.hidden);
         let curves: Vec<(Curve<'_>, Shown)> = drawn.map(|(curve, shown)| (curve, shown.clone())).collect();
         let table = Table { scene, cursors: &self.area.cursors, curves: &curves };
-        let clear = table::panel().show(ui, |ui| table.show(ui)).inner;
+        let clear = table::panel(height).show(ui, |ui| table.show(ui)).inner;
         if clear {
             self.area.cursors.clear();
         }

@@ -167,7 +167,7 @@ fn figures_text(curve: &Curve<'_>, figures: Option<Statistics>) -> [String; 7] {
             false => [empty(), empty(), empty(), unknown(), unknown(), unknown(), unknown()],
         };
     };
-    let Statistics { count, low, high, mean, times, on, observed } = figures;
+    let Statistics { count, low, high, mean, times, on, observed, on_at_start: _ } = figures;
     let (observed, count) =
         (short_span(observed), crate::ui::tables::grouped(usize::try_from(count).unwrap_or(usize::MAX)));
     if curve.is_number() && figures.count == 0 {
@@ -201,12 +201,13 @@ fn exact_span(seconds: f64) -> String {
 }
 
 /// The panel below the plots.
-pub fn panel() -> Panel {
+pub fn panel(height: f32) -> Panel {
+    let [usual, most] = theme::below_plots(theme::VALUES, height);
     Panel::bottom("values")
         .frame(theme::details_frame())
         .resizable(true)
-        .default_size(theme::VALUES)
-        .size_range(theme::VALUES_RANGE)
+        .default_size(usual)
+        .size_range(*theme::VALUES_RANGE.start()..=most)
 }
 
 #[cfg(test)]

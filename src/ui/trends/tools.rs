@@ -64,9 +64,11 @@ fn time(ui: &mut Ui, view: &mut TrendView, known: [f64; 2]) {
     });
     widgets::name_combo(&combo.response, "Time in view", &span);
     combo.response.on_hover_text("The time in view; the wheel over the plots changes it too");
-    if ui.button("All").on_hover_text("Everything there is").clicked() {
+    if ui.button("All").on_hover_text("Everything there is; all axes follow the values again").clicked() {
         window.all(known);
+        view.area.ranges.clear();
     }
+    let window = &mut view.area.window;
     let back = ui.add_enabled(window.steps_back() > 0, Button::new("Back"));
     let back = back.on_hover_text("To what was in view before (Backspace)");
     if back.on_disabled_hover_text("Nothing else was in view yet").clicked() {

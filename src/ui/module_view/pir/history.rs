@@ -95,7 +95,7 @@ fn grid(ui: &Ui, all: Rect, view: &TimeView, palette: &Palette) {
 /// Nothing while some of the samples are on the disk only.
 fn seen(trend: &Trend, from: f64, to: f64) -> Option<Seen> {
     let found = trend.statistics(from, to).or_else(|| (!trend.is_wanting()).then(Statistics::default))?;
-    Some(Seen { times: found.times, seconds: found.on })
+    Some(Seen { times: found.times.saturating_add(u64::from(found.on_at_start)), seconds: found.on })
 }
 
 impl Seen {

@@ -14,6 +14,9 @@ use crate::record::{Format, History, Micros, Rows, SeriesId, column_name, micros
 use crate::ui::tables::grouped;
 use crate::ui::{theme, widgets, words};
 
+/// Answers of one poll come within this time, in microseconds.
+const POLL_TIME: Micros = 500_000;
+
 /// Which series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Which {
@@ -184,6 +187,8 @@ impl Form {
         });
         ui.horizontal(|ui| {
             ui.radio_value(&mut self.rows, Rows::PerTime, "One row for each time");
+            ui.radio_value(&mut self.rows, Rows::Within(POLL_TIME), "One row for each poll")
+                .on_hover_text("Answers of one poll have times of their own; those within half a second share a row");
             ui.radio_value(&mut self.rows, Rows::PerSample, "One row for each sample");
         });
         let before = self.utc;
