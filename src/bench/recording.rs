@@ -81,6 +81,11 @@ impl Bench {
         }
     }
 
+    /// Whether something was drawn that has to be fetched from the disk first.
+    pub fn is_fetching(&self) -> bool {
+        self.history.is_wanting() || self.opened.values().filter_map(Viewer::history).any(History::is_wanting)
+    }
+
     pub(super) fn close_recording(&mut self, id: RecordingId) {
         self.opened.remove(&id);
     }

@@ -105,6 +105,11 @@ impl History {
         self.events.insert(place, event);
     }
 
+    /// Whether something that was looked at is on the disk only.
+    pub fn is_wanting(&self) -> bool {
+        self.series.iter().any(|series| series.trend.is_wanting())
+    }
+
     /// Adds a series' stretch that is on the disk only; for whoever opens a recording.
     pub fn trend_mut(&mut self, id: SeriesId) -> Option<&mut Trend> {
         self.series.get_mut(place(id.0)).map(|series| &mut series.trend)

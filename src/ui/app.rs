@@ -25,6 +25,8 @@ use crate::bus::{BusEvent, LineAddress};
 
 /// How often ages are written anew while something is polled.
 const AGES_EVERY: Duration = Duration::from_secs(1);
+/// What was drawn and is on the disk only is asked for in the next frame, soon, but not at once for ever.
+const FETCH_AFTER: Duration = Duration::from_millis(100);
 /// Batches of events taken in before a frame; more wait for the next one.
 const BATCHES: usize = 4;
 
@@ -331,6 +333,9 @@ impl eframe::App for App {
         if !actions.is_empty() {
             // What was asked for shows in the next frame.
             ui.ctx().request_repaint();
+        }
+        if self.bench.is_fetching() {
+            ui.ctx().request_repaint_after(FETCH_AFTER);
         }
         actions.into_iter().for_each(|action| self.apply(action));
         self.ask(ui.ctx());
