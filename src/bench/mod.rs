@@ -42,7 +42,7 @@ use traffic::{FrameRef, TrafficLog};
 use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
 use crate::module::{Catalogue, Explanation, FileError};
 use crate::protocol::LineSettings;
-use crate::record::{History, Viewer};
+use crate::record::{Destination, History, Viewer};
 
 const NOTICES_KEPT: usize = 200;
 /// How often an opened module is polled unless told otherwise.
@@ -111,6 +111,8 @@ pub struct Bench {
     looking: BTreeSet<RequestId>,
     history: History,
     recording: Option<recording::Recording>,
+    /// A recording that begins when the one before is closed.
+    starting: Option<Destination>,
     /// What was recorded since the start.
     shelf: recording::Shelf,
     opened: BTreeMap<RecordingId, Viewer>,
@@ -139,6 +141,7 @@ impl Bench {
             looking: BTreeSet::new(),
             history: History::default(),
             recording: None,
+            starting: None,
             shelf: recording::Shelf::default(),
             opened: BTreeMap::new(),
             wake: Arc::new(|| {}),

@@ -110,6 +110,16 @@ impl Bench {
     /// Records from now on; what was recorded before is closed. What is in memory and in no file yet goes into the new one.
     pub(super) fn start_recording(&mut self, destination: Destination) {
         self.stop_recording();
+        self.starting = Some(destination);
+        self.begin_recording();
+    }
+
+    /// Begins the recording that was asked for, as soon as the one before is closed.
+    fn begin_recording(&mut self) {
+        if self.shelf.is_ending() {
+            return;
+        }
+        let Some(destination) = self.starting.take() else { return };
         match Recorder::start(destination, {
             let wake = self.wake.clone();
             move || wake()
@@ -135,6 +145,7 @@ impl Bench {
     /// Writes what waits and closes the file, on a thread of its own: a disk may be slow.
     pub(super) fn stop_recording(&mut self) {
         self.hand_over_news();
+        self.starting = None;
         self.history.end_news();
         let Some(Recording { recorder, .. }) = self.recording.take() else { return };
         self.shelf.note_end(&self.history);
@@ -145,12 +156,21 @@ impl Bench {
     /// be written.
     pub fn end_recording(&mut self) -> Vec<String> {
         self.drain();
+        if self.starting.is_some() {
+            self.shelf.wait();
+            self.begin_recording();
+        }
         self.stop_recording();
         self.shelf.wait()
     }
 
     fn tell_of_ends(&mut self) {
-        for problem in self.shelf.take_problems() {
+        let problems = self.shelf.take_problems();
+        if self.starting.is_some() {
+            // What could not be written goes into the recording that begins now.
+            return;
+        }
+        for problem in problems {
             self.notify(Severity::Error, problem);
         }
     }
@@ -177,6 +197,7 @@ impl Bench {
     /// Tells the recording what is new, and looks how it fares.
     pub(super) fn hand_over_news(&mut self) {
         self.tell_of_ends();
+        self.begin_recording();
         take_entries(&mut self.modules).into_iter().for_each(|event| self.add_event(event));
         let Self { history, recording, .. } = self;
         let Some(Recording { recorder, status }) = recording else { return history.tidy(self.shelf.saved(), false) };

@@ -24,8 +24,10 @@ pub struct Shelf {
     fetcher: Option<Fetcher>,
     /// Why what was given up could not be fetched, as it was told last.
     told: Option<StoreError>,
-    /// Recordings that are being closed; each says what could not be written.
-    ending: Vec<Receiver<Option<String>>>,
+    /// Recordings that are being closed; each says why something could not be written, and gives it back.
+    ending: Vec<Receiver<(Option<String>, Vec<Record>)>>,
+    /// What ended recordings could not write, for the next one.
+    unwritten: Vec<Record>,
     /// The last sample of each series that was handed to a recording which has ended.
     until: BTreeMap<SeriesId, Micros>,
     /// Events that were handed to no recording.
@@ -107,8 +109,18 @@ impl Shelf {
         self.until = last.collect();
     }
 
-    /// Hands over what is in memory and was handed to no recording yet, a part at a time.
+    /// Whether a recording is still being closed: what it cannot write comes before everything newer.
+    pub fn is_ending(&self) -> bool {
+        !self.ending.is_empty()
+    }
+
+    /// Hands over what no file has: what an ended recording could not write, and what is in memory and was handed to none
+    /// yet, a part at a time.
     pub fn hand_over_missed(&mut self, history: &History, mut put: impl FnMut(Vec<Record>)) {
+        let unwritten = std::mem::take(&mut self.unwritten);
+        if !unwritten.is_empty() {
+            put(unwritten);
+        }
         let samples = history.series().flat_map(|(id, series)| {
             let after = self.until.get(&id).copied().unwrap_or(Micros::MIN);
             let blocks = series.trend.blocks();
@@ -129,9 +141,9 @@ impl Shelf {
         let (tell, ending) = sync_channel(1);
         let wake = wake.clone();
         let finish = move || {
-            let problem = recorder.finish().err().map(|error| error.to_string());
+            let (finished, unwritten) = recorder.finish_keeping();
             // Nobody waits any more if the program ends.
-            let _ = tell.send(problem);
+            let _ = tell.send((finished.err().map(|error| error.to_string()), unwritten));
             wake();
         };
         match std::thread::Builder::new().name("recording's end".to_owned()).spawn(finish) {
@@ -143,10 +155,12 @@ impl Shelf {
 
     /// What ended recordings could not write; each is told once.
     pub fn take_problems(&mut self) -> Vec<String> {
+        let Self { ending, unwritten, .. } = self;
         let mut problems = Vec::new();
-        self.ending.retain(|ending| match ending.try_recv() {
-            Ok(problem) => {
+        ending.retain(|ending| match ending.try_recv() {
+            Ok((problem, kept)) => {
                 problems.extend(problem);
+                unwritten.extend(kept);
                 false
             }
             Err(TryRecvError::Empty) => true,
@@ -162,7 +176,10 @@ impl Shelf {
         for ending in std::mem::take(&mut self.ending) {
             let left = deadline.map_or(PATIENCE, |deadline| deadline.saturating_duration_since(Instant::now()));
             match ending.recv_timeout(left) {
-                Ok(problem) => problems.extend(problem),
+                Ok((problem, kept)) => {
+                    problems.extend(problem);
+                    self.unwritten.extend(kept);
+                }
                 Err(RecvTimeoutError::Disconnected) => {}
                 Err(RecvTimeoutError::Timeout) => problems.push("the disk does not answer".to_owned()),
             }

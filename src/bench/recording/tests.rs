@@ -212,6 +212,25 @@ fn a_folder_that_cannot_be_written_is_said_and_what_is_measured_waits() {
 }
 
 #[test]
+fn what_could_not_be_written_goes_into_the_next_recording() {
+    let (bad, good) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let file = bad.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let mut play = Play::new();
+    let keeping = Keeping { file_size: 1_000_000_000, total_size: None, days: None };
+    play.bench.apply(Action::Record(Destination::Folder { folder: file.join("inside"), keeping }));
+    (0..5).for_each(|at| play.temperature(at));
+    play.bench.apply(Action::AddNote(start(), "Waits".to_owned()));
+    play.until("it is said", |bench| bench.notices().any(|notice| notice.text.contains("waits in memory")));
+    play.record_into(&good);
+    (5..9).for_each(|at| play.temperature(at));
+    assert!(play.bench.end_recording().is_empty());
+    let history = RecordingFile::open(&saved(&good)[0]).unwrap().load().unwrap();
+    assert_eq!(history.series().next().unwrap().1.trend.len(), 9);
+    assert!(history.events().iter().any(|event| event.text == "Waits"));
+}
+
+#[test]
 fn a_recording_is_opened_once_and_only_so_many_at_a_time() {
     let mut play = Play::new();
     for number in 0..=MOST_OPEN {
