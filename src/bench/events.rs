@@ -104,6 +104,8 @@ impl Bench {
             self.note_line(EventKind::Found, format!("{line} is there again"));
             self.notify(Severity::Info, format!("{line} is there again"));
             self.line = LineState::Open { line };
+            // The poll that was interrupted has told what it had after the loss.
+            self.pause_all();
             self.read_what_was_lost();
         }
     }

@@ -17,7 +17,8 @@ use super::stop::Stop;
 use super::terminal::TerminalLine;
 use super::{Outcome, output, parse};
 use crate::record::{
-    EventRows, Export, ExportError, ExportJob, Format, History, Micros, Progress, Recording, Rows, Source, micros_of,
+    EventRows, Export, ExportError, ExportJob, Format, History, MOST_EVENTS, Micros, Progress, Recording, Rows, Source,
+    micros_of,
 };
 use moment::Moment;
 
@@ -103,7 +104,13 @@ pub fn run(args: &ExportArgs) -> Outcome {
     }
     let [from, to] = args.range(&history, &zone)?;
     let what = if args.events {
-        note_forgotten(&history);
+        if let Some(first) = left_out_before(&history, from) {
+            let first = list::time(first, &zone);
+            output::warning(&format!(
+                "only the newest {MOST_EVENTS} events are exported, and none before {first}; older ones, if there are any, \
+                 are in the recording's table events, which programs for SQLite read"
+            ));
+        }
         What::Events(EventRows::new(&history, &[], from, to))
     } else {
         let series = select::series(&history, &args.series)?;
@@ -178,13 +185,11 @@ impl ExportArgs {
     }
 }
 
-fn note_forgotten(history: &History) {
-    match history.events_forgotten() {
-        0 => {}
-        count => {
-            output::warning(&format!("the oldest {count} events are left out, as only the newest are held in memory"))
-        }
-    }
+/// The time of the oldest event that was loaded, if there may be older ones that are meant too: a history has the newest
+/// [`MOST_EVENTS`] only.
+fn left_out_before(history: &History, from: Option<Micros>) -> Option<Micros> {
+    let first = history.events().front().map(|event| micros_of(event.at))?;
+    (list::is_cut(history) && from.is_none_or(|from| from <= first)).then_some(first)
 }
 
 fn to_standard_output(what: What, format: Format, zone: &TimeZone, interrupt: &Interrupt) -> Outcome {
@@ -240,5 +245,30 @@ impl From<ExportError> for Stop {
             ExportError::Stopped => Self::failed("the export was stopped before its end"),
             error => Self::failed(error.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Event, EventKind, timestamp};
+
+    #[test]
+    fn events_that_may_be_left_out_are_told_of_unless_the_time_asked_for_is_later() {
+        let mut history = History::default();
+        let add = |history: &mut History, count| {
+            for at in 0..count {
+                let event =
+                    Event { at: timestamp(at), module: None, kind: EventKind::Note, text: String::new(), change: None };
+                history.add_event(event);
+            }
+        };
+        let most = i64::try_from(MOST_EVENTS).unwrap();
+        add(&mut history, most - 1);
+        assert_eq!((left_out_before(&history, None), list::events(&history)), (None, "199999 events".to_owned()));
+        add(&mut history, 1);
+        assert_eq!(list::events(&history), "200000 or more events");
+        let cut = [None, Some(0), Some(1)].map(|from| left_out_before(&history, from));
+        assert_eq!(cut, [Some(0), Some(0), None]);
     }
 }

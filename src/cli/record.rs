@@ -2,6 +2,7 @@
 
 mod places;
 mod roll;
+mod trouble;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -158,7 +159,11 @@ fn take(session: &Session, places: &mut Places, roll: &mut Roll, event: BusEvent
             let text = format!("The line was lost: {reason}");
             roll.note(Timestamp::now(), EventKind::Lost, text, " – waiting for it to come back");
         }
-        BusEvent::LineRestored => roll.note(Timestamp::now(), EventKind::Found, "The line is back".to_owned(), ""),
+        BusEvent::LineRestored => {
+            // Not when it was lost: what was answered before that may be told after it.
+            places.pause(&mut roll.history);
+            roll.note(Timestamp::now(), EventKind::Found, "The line is back".to_owned(), "");
+        }
         _ => {}
     }
     Ok(())
@@ -171,7 +176,8 @@ fn tell_end(roll: Roll, args: &RecordArgs, elapsed: Duration, interrupted: bool)
     let file = status.file.as_deref().unwrap_or(&args.out);
     output::line(&format!("{}: {samples} samples in {elapsed}", file.display()))?;
     if status.lost > 0 {
-        return Err(Stop::failed(format!("{} samples are lost, as the file could not be written", status.lost)));
+        let reason = status.problem.as_deref().unwrap_or("the file could not take them");
+        return Err(Stop::failed(format!("{} samples or events are lost: {reason}", status.lost)));
     }
     if samples == 0 && !interrupted { Err(Stop::Reported) } else { Ok(()) }
 }

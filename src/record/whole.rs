@@ -2,7 +2,10 @@
 
 use std::fs::{self, File};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Names that are tried for what is not whole yet.
+const MOST_PARTS: u32 = 10_000;
 
 /// Lets `write` fill a file under another name, and gives it the name `path` once it is whole and on the disk. After a
 /// failure no part is left behind, and a file that stood there is as it was. What is no file, such as a pipe, is written
@@ -19,10 +22,8 @@ pub(super) fn write_whole<T, E: From<io::Error>>(
     if path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return write(&File::options().write(true).open(&path)?);
     }
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let unfinished = path.with_file_name(name);
-    let written = write_part(&unfinished, write).and_then(|written| {
+    let (unfinished, file) = begin_part(&path)?;
+    let written = write_part(file, write).and_then(|written| {
         fs::rename(&unfinished, &path)?;
         Ok(written)
     });
@@ -33,8 +34,27 @@ pub(super) fn write_whole<T, E: From<io::Error>>(
     written
 }
 
-fn write_part<T, E: From<io::Error>>(path: &Path, write: impl FnOnce(&File) -> Result<T, E>) -> Result<T, E> {
-    let file = File::create(path)?;
+/// A new file beside `path`: `PATH.part`, or `PATH.part2` and so on where somebody else has such a file, be it one that
+/// was left by a crash.
+fn begin_part(path: &Path) -> io::Result<(PathBuf, File)> {
+    let mut taken = io::Error::from(io::ErrorKind::AlreadyExists);
+    for number in 1..=MOST_PARTS {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(".part");
+        if number > 1 {
+            name.push(number.to_string());
+        }
+        let part = path.with_file_name(name);
+        match File::create_new(&part) {
+            Ok(file) => return Ok((part, file)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => taken = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(taken)
+}
+
+fn write_part<T, E: From<io::Error>>(file: File, write: impl FnOnce(&File) -> Result<T, E>) -> Result<T, E> {
     let written = write(&file)?;
     file.sync_all()?;
     Ok(written)
@@ -62,5 +82,22 @@ mod tests {
     fn what_is_no_file_is_written_as_it_stands() {
         write_whole(Path::new("/dev/null"), |mut file| file.write_all(b"new")).unwrap();
         assert!(!Path::new("/dev/null").is_file());
+    }
+
+    #[test]
+    fn a_part_that_somebody_else_has_is_left_and_does_not_stand_in_the_way() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, foreign) = (folder.path().join("file"), folder.path().join("file.part"));
+        fs::write(&foreign, "foreign").unwrap();
+        write_whole(&file, |mut outer| {
+            // Another export to the same path, meanwhile.
+            write_whole(&file, |mut inner| inner.write_all(b"inner"))?;
+            outer.write_all(b"outer")
+        })
+        .unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "outer");
+        write_whole(&file, |_| Err::<(), _>(io::Error::other("no"))).unwrap_err();
+        assert_eq!(fs::read_to_string(&foreign).unwrap(), "foreign");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 }

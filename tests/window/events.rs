@@ -121,7 +121,7 @@ fn exported_events_name_their_module() {
     let path = folder.path().join("events.csv");
     save_to(&mut window, "Events as CSV…", &path);
     let mut reader = csv::Reader::from_path(&path).unwrap();
-    assert_eq!(reader.headers().unwrap(), vec!["time", "module", "kind", "text"]);
+    assert_eq!(reader.headers().unwrap(), vec!["time", "module", "kind", "text", "item", "before", "after"]);
     let first = reader.records().next().unwrap().unwrap();
     assert!(first[0].parse::<Timestamp>().is_ok(), "{first:?}");
     assert_eq!((&first[1], &first[2]), ("PIR-234@1", "found"));

@@ -4,7 +4,7 @@ use jiff::tz::TimeZone;
 
 use super::super::Outcome;
 use super::super::output::{self, Table};
-use crate::record::{History, Micros, ModuleInfo, Series, micros, module_names, timestamp};
+use crate::record::{History, MOST_EVENTS, Micros, ModuleInfo, Series, micros, module_names, timestamp};
 
 pub fn print(history: &History, zone: &TimeZone) -> Outcome {
     let names = module_names(history);
@@ -25,11 +25,22 @@ pub fn print(history: &History, zone: &TimeZone) -> Outcome {
         table.row([&selector, &info.label, &info.unit, &count, &first, &last]);
     }
     table.print()?;
-    let events = u64::try_from(history.events().len()).unwrap_or(u64::MAX).saturating_add(history.events_forgotten());
+    let events = events(history);
     match history.span().map(|span| span.map(|at| time(at, zone))) {
-        Some([first, last]) => output::line(&format!("\nFrom {first} to {last}, {events} events")),
-        None => output::line(&format!("\nNo samples, {events} events")),
+        Some([first, last]) => output::line(&format!("\nFrom {first} to {last}, {events}")),
+        None => output::line(&format!("\nNo samples, {events}")),
     }
+}
+
+/// A history has the newest events only, and this one may not have all.
+pub fn is_cut(history: &History) -> bool {
+    history.events().len() >= MOST_EVENTS
+}
+
+/// `17 events`
+pub fn events(history: &History) -> String {
+    let (count, more) = (history.events().len(), if is_cut(history) { " or more" } else { "" });
+    format!("{count}{more} events")
 }
 
 /// How the module is spoken to, such as `dcon 9600 n81 checksum`.

@@ -12,7 +12,7 @@ use crate::bench::{Observer, module_info, silence};
 use crate::bus::{Answer, BusCommand, ItemSet, RequestId, Target, Values};
 use crate::module::{Definition, Identified};
 use crate::protocol::Failure;
-use crate::record::EventKind;
+use crate::record::{EventKind, History};
 
 /// Until a module that did not say what it is is asked again: at first, and at most.
 const FIRST_PAUSE: Duration = Duration::from_secs(2);
@@ -104,6 +104,15 @@ impl Places {
         place.say(roll, reason);
         place.wait();
         Ok(())
+    }
+
+    /// Nothing was asked for a while: all lines have a gap from here on.
+    pub fn pause(&mut self, history: &mut History) {
+        for Place { stage, .. } in &mut self.all {
+            if let Stage::Polled { observer, .. } = stage {
+                observer.pause(history);
+            }
+        }
     }
 
     /// Takes in what a poll brought.
@@ -199,5 +208,49 @@ fn take_answer(roll: &mut Roll, definition: &Definition, observer: &mut Observer
             }
         }
         (Ok(_), None) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::module::{Catalogue, Value};
+    use crate::protocol::{LineSettings, Protocol};
+    use crate::record::{ModuleInfo, timestamp};
+
+    #[test]
+    fn a_pause_leaves_a_gap_in_the_lines_of_every_polled_module() {
+        let mut history = History::default();
+        let definition = Catalogue::built_in().0.get("pir-234").unwrap();
+        let targets = [1, 2, 3].map(|address| Target {
+            address,
+            protocol: Protocol::ModbusRtu,
+            settings: LineSettings::default(),
+            checksum: false,
+        });
+        let mut places = Places::new(targets.into(), "COM3".to_owned(), Duration::from_secs(1));
+        for (place, address) in places.all.iter_mut().zip([1, 2]) {
+            let info = ModuleInfo { address, ..ModuleInfo::default() };
+            let (id, observer) = (RequestId(address.into()), Observer::new(&mut history, info));
+            place.stage = Stage::Polled { id, definition: definition.clone(), observer };
+        }
+        for second in 0..3 {
+            if second == 2 {
+                places.pause(&mut history);
+            }
+            for place in &mut places.all {
+                let Stage::Polled { observer, .. } = &mut place.stage else { continue };
+                let (item, at) = (definition.item("pir1").unwrap(), timestamp(second * 1_000_000));
+                observer.value(&mut history, item, at, &Value::Bool(false), Some(Duration::from_secs(1)));
+            }
+        }
+        let gaps: Vec<Vec<bool>> = history
+            .series()
+            .map(|(_, series)| {
+                let columns = series.trend.blocks().iter().filter_map(|block| block.samples.as_ref());
+                columns.flat_map(|columns| columns.iter()).map(|sample| sample.gap).collect()
+            })
+            .collect();
+        assert_eq!(gaps, [[false, false, true], [false, false, true]]);
     }
 }

@@ -7,6 +7,7 @@ use jiff::Timestamp;
 use super::super::Outcome;
 use super::super::stop::Stop;
 use super::super::terminal::TerminalLine;
+use super::trouble::Trouble;
 use crate::record::{Event, EventKind, History, ModuleId, Record, Recorder, RecordingStatus};
 
 /// How often it is looked how the recording fares.
@@ -20,8 +21,7 @@ pub struct Roll {
     looked: Instant,
     /// Samples that were taken since the beginning.
     samples: u64,
-    /// What was last said to be wrong with the file.
-    problem: Option<String>,
+    trouble: Trouble,
 }
 
 impl Roll {
@@ -29,7 +29,7 @@ impl Roll {
         let mut history = History::default();
         history.begin_news();
         let begin = Instant::now();
-        Self { history, recorder, line, begin, looked: begin, samples: 0, problem: None }
+        Self { history, recorder, line, begin, looked: begin, samples: 0, trouble: Trouble::default() }
     }
 
     /// Tells the user something.
@@ -56,9 +56,10 @@ impl Roll {
         }
         self.looked = Instant::now();
         let status = self.recorder.status();
-        // What is not on the disk yet is not given up, however much it is: the recorder bounds it.
         self.history.tidy(status.saved_until, true);
-        self.say_problem(&status);
+        if let Some(text) = self.trouble.look(&status) {
+            self.line.message(&text);
+        }
         let (elapsed, samples) = (self.begin.elapsed(), self.samples);
         self.line.show(|| describe(elapsed, samples, &status));
     }
@@ -79,17 +80,6 @@ impl Roll {
             self.recorder.put(news);
         }
     }
-
-    fn say_problem(&mut self, status: &RecordingStatus) {
-        if self.problem == status.problem {
-            return;
-        }
-        match &status.problem {
-            Some(problem) => self.line.message(&format!("nothing is written: {problem}; recording goes on in memory")),
-            None => self.line.message("the file is written again, and complete"),
-        }
-        self.problem = status.problem.clone();
-    }
 }
 
 /// `0:12:33  45210 samples  1.2 MB`
@@ -97,7 +87,7 @@ fn describe(elapsed: Duration, samples: u64, status: &RecordingStatus) -> String
     let (minutes, seconds) = (elapsed.as_secs() / 60, elapsed.as_secs() % 60);
     let size = status.bytes as f64 / 1e6;
     let mut text = format!("{}:{:02}:{seconds:02}  {samples} samples  {size:.1} MB", minutes / 60, minutes % 60);
-    if status.problem.is_some() {
+    if status.problem.is_some() && status.waiting > 0 {
         text.push_str(&format!("  {} waiting for the disk", status.waiting));
     }
     if status.lost > 0 {

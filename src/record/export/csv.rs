@@ -18,9 +18,12 @@ pub(super) struct CsvSink<W: Write> {
 }
 
 impl<W: Write> CsvSink<W> {
-    pub fn new(columns: &[Column], zone: &TimeZone, writer: W) -> Result<Self, ExportError> {
+    /// `header` says whether the names of the columns are written.
+    pub fn new(columns: &[Column], header: bool, zone: &TimeZone, writer: W) -> Result<Self, ExportError> {
         let mut writer = csv::WriterBuilder::new().buffer_capacity(BUFFER).from_writer(writer);
-        writer.write_record(columns.iter().map(|column| &column.name)).map_err(failed)?;
+        if header {
+            writer.write_record(columns.iter().map(|column| &column.name)).map_err(failed)?;
+        }
         Ok(Self { writer, clock: Clock::new(zone), text: String::new() })
     }
 }
@@ -40,7 +43,7 @@ impl<W: Write> Sink for CsvSink<W> {
                 }
                 Cell::Switch(true) => "true",
                 Cell::Switch(false) => "false",
-                Cell::Word(word) => word,
+                Cell::Word(word) | Cell::Choice(word) => word,
             };
             writer.write_field(field).map_err(failed)?;
         }

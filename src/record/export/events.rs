@@ -14,6 +14,7 @@ pub struct EventRows {
     columns: Vec<Column>,
     rows: std::vec::IntoIter<(Micros, Vec<Cell>)>,
     span: [Micros; 2],
+    header: bool,
 }
 
 impl EventRows {
@@ -21,22 +22,34 @@ impl EventRows {
     /// those that concern no module. All modules if there is none in the list.
     pub fn new(history: &History, modules: &[ModuleId], from: Option<Micros>, to: Option<Micros>) -> Self {
         let [from, to] = [from.unwrap_or(Micros::MIN), to.unwrap_or(Micros::MAX)];
-        let names = module_names(history);
         let concerns = |event: &&Event| {
             let module = event.module.is_none_or(|module| modules.is_empty() || modules.contains(&module));
             module && (from..=to).contains(&micros_of(event.at))
         };
+        let mut events: Vec<&Event> = history.events().iter().filter(concerns).collect();
+        events.sort_by_key(|event| event.at);
+        Self::of(history, events)
+    }
+
+    /// These events of a history, in this order, which is that of time.
+    pub fn of<'a>(history: &History, events: impl IntoIterator<Item = &'a Event>) -> Self {
+        let names = module_names(history);
         let row = |event: &Event| {
             let name = event.module.and_then(|module| names.get(&module)).map(String::as_str);
             (micros_of(event.at), cells(event, name))
         };
-        let mut rows: Vec<_> = history.events().iter().filter(concerns).map(row).collect();
-        rows.sort_by_key(|(at, _)| *at);
+        let rows: Vec<_> = events.into_iter().map(row).collect();
         let span = [rows.first().map_or(0, |(at, _)| *at), rows.last().map_or(0, |(at, _)| *at)];
         let words = ["module", "kind", "text", "item", "before", "after"];
         let columns = words.map(|name| Column::new(name, ColumnKind::Word));
         let columns = std::iter::once(Column::new("time", ColumnKind::Time)).chain(columns).collect();
-        Self { columns, rows: rows.into_iter(), span }
+        Self { columns, rows: rows.into_iter(), span, header: true }
+    }
+
+    /// Rows that go on a file that was begun: CSV has its header already.
+    #[must_use]
+    pub fn continued(self) -> Self {
+        Self { header: false, ..self }
     }
 }
 
@@ -57,6 +70,10 @@ fn cells(event: &Event, module: Option<&str>) -> Vec<Cell> {
 impl Table for EventRows {
     fn columns(&self) -> &[Column] {
         &self.columns
+    }
+
+    fn has_header(&self) -> bool {
+        self.header
     }
 
     fn span(&self) -> [Micros; 2] {

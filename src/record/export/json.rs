@@ -37,7 +37,10 @@ impl<W: Write> Sink for JsonSink<W> {
                 // Its digits are those of JSON, and remain the module's own.
                 Cell::Number(number) => write!(writer, "{number}")?,
                 Cell::Switch(on) => write!(writer, "{on}")?,
-                Cell::Word(word) => write_word(writer, word)?,
+                Cell::Choice(word) if is_number(word) => write!(writer, "{word}")?,
+                Cell::Choice(word) | Cell::Word(word) => {
+                    serde_json::to_writer(&mut *writer, &**word).map_err(io::Error::from)?;
+                }
             }
         }
         Ok(writer.write_all(b"}\n")?)
@@ -48,10 +51,7 @@ impl<W: Write> Sink for JsonSink<W> {
     }
 }
 
-/// Words that are numbers are numbers, as everywhere in the program's JSON.
-fn write_word(writer: &mut impl Write, word: &str) -> io::Result<()> {
-    match word.parse::<i64>() {
-        Ok(number) => write!(writer, "{number}"),
-        Err(_) => serde_json::to_writer(writer, word).map_err(io::Error::from),
-    }
+/// As everywhere in the program's JSON: a choice whose word is a number is one, if it reads back as the same word.
+fn is_number(word: &str) -> bool {
+    word.parse::<i64>().is_ok_and(|number| number.to_string() == word)
 }

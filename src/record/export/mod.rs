@@ -169,9 +169,9 @@ fn write_table(
     writer: impl Write + Send,
     mut progress: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Progress, ExportError> {
-    let columns = table.columns().to_vec();
+    let (columns, header) = (table.columns().to_vec(), table.has_header());
     match format {
-        Format::Csv => pump(&mut table, csv::CsvSink::new(&columns, zone, writer)?, &mut progress),
+        Format::Csv => pump(&mut table, csv::CsvSink::new(&columns, header, zone, writer)?, &mut progress),
         Format::JsonLines => pump(&mut table, json::JsonSink::new(&columns, zone, writer), &mut progress),
         Format::Parquet => pump(&mut table, parquet::ParquetSink::new(&columns, writer)?, &mut progress),
     }

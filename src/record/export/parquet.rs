@@ -156,7 +156,7 @@ impl Values {
             (Self::Numbers(numbers), Cell::Number(number)) => numbers.push(number.to_f64()),
             (Self::Numbers(numbers), Cell::Switch(on)) => numbers.push(f64::from(u8::from(*on))),
             (Self::Switches(switches), Cell::Switch(on)) => switches.push(*on),
-            (Self::Words(words), Cell::Word(word)) => words.push(word),
+            (Self::Words(words), Cell::Word(word) | Cell::Choice(word)) => words.push(word),
             _ => return false,
         }
         true

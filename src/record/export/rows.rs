@@ -152,7 +152,7 @@ impl Values {
             Self::Switch => Cell::Switch(value != 0),
             Self::Words(words) => {
                 let word = usize::try_from(value).ok().and_then(|place| words.get(place));
-                Cell::Word(word.cloned().unwrap_or_else(|| value.to_string().into()))
+                Cell::Choice(word.cloned().unwrap_or_else(|| value.to_string().into()))
             }
         }
     }

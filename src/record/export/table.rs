@@ -38,12 +38,19 @@ pub enum Cell {
     /// Exact as the module sent it.
     Number(Fixed),
     Switch(bool),
+    /// The word of a choice, which may be a number.
+    Choice(Arc<str>),
     Word(Arc<str>),
 }
 
 /// Rows in order of time.
 pub trait Table {
     fn columns(&self) -> &[Column];
+
+    /// False for rows that go on a file that was begun.
+    fn has_header(&self) -> bool {
+        true
+    }
 
     /// First and last time that there may be.
     fn span(&self) -> [Micros; 2];

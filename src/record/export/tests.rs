@@ -251,6 +251,28 @@ fn events_have_what_was_written() {
     );
 }
 
+#[test]
+fn json_has_texts_as_they_are_and_only_choices_that_are_numbers_as_numbers() {
+    let mut history = History::default();
+    let one = module(&mut history, 1, "dcon", "COM3");
+    let words = ["33", "0042", "+5", "-7", "off"].map(str::to_owned).into();
+    let id = series(&mut history, one, "mode", "", SeriesKind::Choice { words });
+    (0..5).for_each(|place| history.push(id, BEGIN + place * SECOND, place));
+    let shown = text(whole(&history), Format::JsonLines, Rows::PerSample);
+    let values: Vec<&str> =
+        shown.lines().map(|line| line.split("\"value\":").nth(1).unwrap().split(',').next().unwrap()).collect();
+    assert_eq!(values, ["33", "\"0042\"", "\"+5\"", "-7", "\"off\""]);
+
+    let change = Change { item: "name".into(), before: Some("7".into()), after: "0042".into() };
+    let (at, text) = (crate::record::timestamp(BEGIN), "12".to_owned());
+    history.add_event(Event { at, module: None, kind: EventKind::Note, text, change: Some(change) });
+    let (mut bytes, rows) = (Vec::new(), EventRows::new(&history, &[], None, None));
+    Export::run_events(rows, Format::JsonLines, &TimeZone::UTC, &mut bytes, |_| ControlFlow::Continue(())).unwrap();
+    let shown = String::from_utf8(bytes).unwrap();
+    let end = r#""kind":"note","text":"12","item":"name","before":"7","after":"0042"}"#;
+    assert!(shown.trim_end().ends_with(end), "{shown}");
+}
+
 /// A pipe whose other end is closed.
 struct Closed;
 

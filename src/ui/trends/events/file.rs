@@ -1,22 +1,18 @@
 //! Events as a file, made in steps so that the window goes on.
 
-use std::collections::BTreeMap;
 use std::io;
+use std::ops::ControlFlow;
 
-use jiff::Timestamp;
-use jiff::fmt::temporal::DateTimePrinter;
 use jiff::tz::TimeZone;
-use serde::Serialize;
 
 use super::rows::event;
 use crate::bench::{Bench, RecordingId};
-use crate::record::{Event, EventKind, History, ModuleId, module_names};
+use crate::record::{EventRows, Export, ExportError, Format, History};
 use crate::ui::saving::{Contents, Step};
 use crate::ui::tables::{Form, grouped};
 
 /// Events put into the file at a time.
 const AT_ONCE: usize = 2_000;
-const PRINTER: DateTimePrinter = DateTimePrinter::new().precision(Some(6));
 
 /// Events by their numbers; those that are forgotten meanwhile are passed over.
 pub struct EventsFile {
@@ -28,49 +24,21 @@ pub struct EventsFile {
     pub done: usize,
 }
 
-/// One line of the file.
-#[derive(Serialize)]
-struct Line<'a> {
-    /// ISO 8601 with offset, in microseconds.
-    time: String,
-    module: &'a str,
-    kind: EventKind,
-    text: &'a str,
-}
-
 impl EventsFile {
-    fn line<'a>(&self, event: &'a Event, names: &'a BTreeMap<ModuleId, String>) -> Line<'a> {
-        let module = event.module.and_then(|module| names.get(&module)).map_or("", String::as_str);
-        Line { time: self.time(event.at), module, kind: event.kind, text: &event.text }
-    }
-
-    fn time(&self, at: Timestamp) -> String {
-        PRINTER.timestamp_with_offset_to_string(&at, self.zone.to_offset(at))
-    }
-
+    /// The same rows as `export --events` writes.
     fn lines(&self, history: &History, numbers: &[u64]) -> io::Result<Vec<u8>> {
-        let names = module_names(history);
-        let events = numbers.iter().filter_map(|number| event(history, *number));
+        let rows = EventRows::of(history, numbers.iter().filter_map(|number| event(history, *number)));
+        let rows = if self.done == 0 { rows } else { rows.continued() };
+        let format = match self.form {
+            Form::Csv => Format::Csv,
+            Form::JsonLines => Format::JsonLines,
+        };
         let mut bytes = Vec::new();
-        match self.form {
-            Form::Csv => {
-                let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(&mut bytes);
-                if self.done == 0 {
-                    writer.write_record(["time", "module", "kind", "text"])?;
-                }
-                for event in events {
-                    writer.serialize(self.line(event, &names))?;
-                }
-                writer.flush()?;
-            }
-            Form::JsonLines => {
-                for event in events {
-                    serde_json::to_writer(&mut bytes, &self.line(event, &names))?;
-                    bytes.push(b'\n');
-                }
-            }
+        match Export::run_events(rows, format, &self.zone, &mut bytes, |_| ControlFlow::Continue(())) {
+            Ok(_) => Ok(bytes),
+            Err(ExportError::Write(error)) => Err(error),
+            Err(error) => Err(io::Error::other(error)),
         }
-        Ok(bytes)
     }
 }
 
@@ -95,5 +63,41 @@ impl Contents for EventsFile {
 
     fn what(&self) -> String {
         format!("{} event{}", grouped(self.done), if self.done == 1 { "" } else { "s" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Change, Event, EventKind, ModuleInfo, timestamp};
+
+    fn history() -> History {
+        let mut history = History::default();
+        let module = history.module(ModuleInfo { label: "PIR-234".into(), address: 1, ..ModuleInfo::default() });
+        for second in 0..5 {
+            let change = Change { item: "pir_on_time".into(), before: None, after: "33".into() };
+            history.add_event(Event {
+                at: timestamp(second * 1_000_000),
+                module: (second != 2).then_some(module),
+                kind: EventKind::Written,
+                text: "0042".into(),
+                change: (second != 3).then_some(change),
+            });
+        }
+        history
+    }
+
+    #[test]
+    fn the_window_writes_the_same_rows_as_the_command_line_whatever_the_steps() {
+        let history = history();
+        for (form, format) in [(Form::Csv, Format::Csv), (Form::JsonLines, Format::JsonLines)] {
+            let mut file = EventsFile { form, recording: None, zone: TimeZone::UTC, numbers: Vec::new(), done: 0 };
+            let mut shown = file.lines(&history, &[0, 1]).unwrap();
+            file.done = 2;
+            shown.extend(file.lines(&history, &[2, 3, 4]).unwrap());
+            let (mut expected, rows) = (Vec::new(), EventRows::new(&history, &[], None, None));
+            Export::run_events(rows, format, &TimeZone::UTC, &mut expected, |_| ControlFlow::Continue(())).unwrap();
+            assert_eq!(String::from_utf8(shown).unwrap(), String::from_utf8(expected).unwrap());
+        }
     }
 }
