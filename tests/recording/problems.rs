@@ -55,6 +55,48 @@ fn what_cannot_be_written_at_the_end_is_told() {
 }
 
 #[test]
+fn what_was_not_written_can_be_given_to_another_recorder() {
+    let folder = tempfile::tempdir().unwrap();
+    let nowhere = folder.path().join("not").join("there").join("a.sqlite");
+    let path = folder.path().join("b.sqlite");
+    let mut watched = Watched::start(file(&nowhere));
+    watched.recorder.put(described(1));
+    watched.recorder.put((0..10).map(|n| record(0, START + n, n)).collect());
+    watched.wait(|status| status.problem.is_some());
+    let (finished, unwritten) = watched.recorder.finish_keeping();
+    assert!(matches!(finished, Err(StoreError::Unwritten { count: 10, .. })));
+
+    let mut watched = Watched::start(file(&path));
+    watched.recorder.put(described(1));
+    watched.recorder.put(unwritten);
+    let (finished, unwritten) = watched.recorder.finish_keeping();
+    assert_eq!((finished.unwrap().samples, unwritten), (10, Vec::new()));
+    assert_eq!(values(&read(&path)[0]), (0..10).collect::<Vec<_>>());
+}
+
+#[test]
+fn what_cannot_be_written_into_a_damaged_file_goes_into_a_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let keeping = Keeping { file_size: u64::MAX, total_size: None, days: None };
+    let mut watched = Watched::start(Destination::Folder { folder: folder.path().to_owned(), keeping });
+    watched.recorder.put(described(1));
+    watched.recorder.put(vec![record(0, START, 1)]);
+    let first = watched.wait(|status| status.samples == 1).file.unwrap();
+    // The file opens and reads as before, but nothing can be added.
+    let connection = rusqlite::Connection::open(&first).unwrap();
+    let refuse = "CREATE TRIGGER refuse BEFORE INSERT ON fresh BEGIN SELECT RAISE(ABORT, 'broken'); END";
+    connection.execute_batch(refuse).unwrap();
+    drop(connection);
+    watched.recorder.put(vec![record(0, START + 1, 2)]);
+    watched.wait(|status| status.problem.as_ref().is_some_and(|problem| problem.contains("is damaged")));
+    let status = watched.wait(|status| status.problem.is_none() && status.waiting == 0);
+    watched.recorder.finish().unwrap();
+    assert_eq!(status.files.len(), 2);
+    assert_eq!(values(&read(&first)[0]), [1]);
+    assert_eq!(values(&read(&status.file.unwrap())[0]), [2]);
+}
+
+#[test]
 fn a_folder_that_comes_later_is_recorded_into() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("stick").join("a.sqlite");

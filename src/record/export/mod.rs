@@ -29,6 +29,7 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 pub use events::EventRows;
@@ -113,6 +114,12 @@ pub enum ExportError {
     /// The samples are on the disk, and nobody has given the recording.
     #[error("samples are in the recording only, which is not open – open it again")]
     NoArchive,
+    /// Times in UTC.
+    #[error(
+        "the samples of {series} from {from} to {to} cannot be read, because their recording is damaged or was removed – \
+         export a shorter range without them"
+    )]
+    Missing { series: String, from: Timestamp, to: Timestamp },
     #[error("{0}")]
     Write(io::Error),
 }

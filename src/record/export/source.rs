@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::ExportError;
 use super::names::{column_name, module_names};
 use crate::record::history::{History, Series};
-use crate::record::objects::{SeriesId, SeriesInfo};
+use crate::record::objects::{SeriesId, SeriesInfo, timestamp};
 use crate::record::store::Archive;
 use crate::record::trend::{Block, Columns, Micros, Sample};
 
@@ -34,6 +34,7 @@ pub(super) struct SourceSeries {
 struct Stretch {
     first: Micros,
     last: Micros,
+    count: u64,
     samples: Option<Arc<Columns>>,
 }
 
@@ -76,7 +77,13 @@ impl Source {
                 return Ok(Some(sample));
             }
             let Some(stretch) = series.blocks.pop_front() else { return Ok(None) };
-            series.samples = stretch.samples(series.id, archive.as_deref_mut(), *range)?;
+            let samples = stretch.samples(series.id, archive.as_deref_mut(), *range)?;
+            if stretch.lacks(&samples, *range) {
+                let last = series.last_lacking(archive.as_deref_mut(), *range)?.unwrap_or(stretch.last);
+                let series = series.column.clone();
+                return Err(ExportError::Missing { series, from: timestamp(stretch.first), to: timestamp(last) });
+            }
+            series.samples = samples;
         }
     }
 }
@@ -84,8 +91,10 @@ impl Source {
 impl SourceSeries {
     fn new(id: SeriesId, series: &Series, module: &str, [from, to]: [Micros; 2]) -> Self {
         let inside = |block: &&Block| block.node.last >= from && block.node.first <= to;
-        let stretch =
-            |block: &Block| Stretch { first: block.node.first, last: block.node.last, samples: block.samples.clone() };
+        let stretch = |Block { node, samples, .. }: &Block| {
+            let (first, last, count) = (node.first, node.last, node.count);
+            Stretch { first, last, count, samples: samples.clone() }
+        };
         Self {
             id,
             info: series.info.clone(),
@@ -95,17 +104,34 @@ impl SourceSeries {
             samples: VecDeque::new(),
         }
     }
+
+    /// The last time of the next stretches that lack samples, up to the first that has all of them.
+    fn last_lacking(
+        &self,
+        mut archive: Option<&mut (dyn Archive + 'static)>,
+        range: [Micros; 2],
+    ) -> Result<Option<Micros>, ExportError> {
+        let mut last = None;
+        for stretch in &self.blocks {
+            let samples = stretch.samples(self.id, archive.as_deref_mut(), range)?;
+            if !stretch.lacks(&samples, range) {
+                break;
+            }
+            last = Some(stretch.last);
+        }
+        Ok(last)
+    }
 }
 
 impl Stretch {
     fn samples(
-        self,
+        &self,
         series: SeriesId,
         archive: Option<&mut (dyn Archive + 'static)>,
         [from, to]: [Micros; 2],
     ) -> Result<VecDeque<Sample>, ExportError> {
         let inside = |sample: &Sample| (from..=to).contains(&sample.at);
-        match self.samples {
+        match &self.samples {
             Some(samples) => Ok(samples.iter().filter(inside).collect()),
             None => {
                 let archive = archive.ok_or(ExportError::NoArchive)?;
@@ -113,5 +139,10 @@ impl Stretch {
                 Ok(fetched.into_iter().filter(inside).collect())
             }
         }
+    }
+
+    /// Of a stretch that is cut by the range it is not known how many samples it should bring.
+    fn lacks(&self, samples: &VecDeque<Sample>, [from, to]: [Micros; 2]) -> bool {
+        from <= self.first && self.last <= to && (samples.len() as u64) < self.count
     }
 }

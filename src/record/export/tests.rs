@@ -233,6 +233,32 @@ fn what_is_on_the_disk_only_is_fetched() {
 }
 
 #[test]
+fn samples_that_cannot_be_fetched_end_the_export_unless_they_are_not_wanted() {
+    let mut history = History::default();
+    let one = module(&mut history, 1, "dcon", "COM3");
+    let id = series(&mut history, one, "temperature_c", "°C", SeriesKind::Number { decimals: 2 });
+    (0..5_000).for_each(|at| history.push(id, BEGIN + at * SECOND, at % 7));
+    let trend = history.trend_mut(id).unwrap();
+    let look = trend.looks();
+    trend.give_up(Micros::MAX, look);
+    let ends: Vec<[Micros; 2]> = trend.blocks()[..4].iter().map(|block| [block.node.first, block.node.last]).collect();
+    // Two stretches are gone, the second but for its beginning.
+    let is_left = |at: &Micros| !(ends[1][0]..=ends[1][1]).contains(at) && !(ends[2][0] + 5..=ends[2][1]).contains(at);
+    let left = (0..5_000).map(|n| BEGIN + n * SECOND).filter(is_left);
+    let left: Vec<Sample> = left.map(|at| Sample { at, value: 1, gap: false }).collect();
+    let run = |from: Option<Micros>| {
+        let source = Source::new(&history, &[id], from, None, Some(Box::new(Shelf(left.clone()))));
+        let go_on = |_| ControlFlow::Continue(());
+        Export::run(source, Format::Csv, Rows::PerSample, &TimeZone::UTC, Vec::new(), go_on)
+    };
+    let error = run(None).unwrap_err();
+    let [from, to] = [ends[1][0], ends[2][1]].map(crate::record::timestamp);
+    assert!(error.to_string().contains(&format!("PIR-234@1 temperature_c [°C] from {from} to {to} cannot")), "{error}");
+    let rest = run(Some(ends[3][0])).unwrap().rows;
+    assert_eq!(rest, left.iter().filter(|sample| sample.at >= ends[3][0]).count() as u64);
+}
+
+#[test]
 fn events_have_what_was_written() {
     let mut history = history();
     let at = crate::record::timestamp(BEGIN);

@@ -5,6 +5,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -62,7 +63,7 @@ pub struct RecordingFile {
     series: HashMap<i64, Written>,
     next_fresh: i64,
     samples: u64,
-    _lock: WriterLock,
+    lock: Option<WriterLock>,
 }
 
 impl RecordingFile {
@@ -76,11 +77,28 @@ impl RecordingFile {
         Self::open_locked(path, lock)
     }
 
+    /// The same under a lock that is held already. A file that was not there before and cannot be made is removed
+    /// again.
+    ///
+    /// # Errors
+    /// As [`RecordingFile::open`].
     pub fn open_locked(path: PathBuf, lock: WriterLock) -> Result<Self, StoreError> {
-        let connection = schema::open_to_write(&path)?;
-        let id = FileId::at(&path);
+        let is_new = fs::symlink_metadata(&path).is_err_and(|error| error.kind() == ErrorKind::NotFound);
+        let opened = Self::open_unlocked(&path);
+        if is_new && opened.is_err() {
+            for ending in ["", "-journal", "-wal", "-shm"] {
+                // Most of them are not there.
+                let _ = fs::remove_file(beside(&path, ending));
+            }
+        }
+        Ok(Self { lock: Some(lock), ..opened? })
+    }
+
+    fn open_unlocked(path: &Path) -> Result<Self, StoreError> {
+        let connection = schema::open_to_write(path)?;
+        let (path, id) = (path.to_owned(), FileId::at(path));
         let (rows, series) = (Rows::default(), HashMap::new());
-        let mut file = Self { path, connection, id, rows, series, next_fresh: 1, samples: 0, _lock: lock };
+        let mut file = Self { path, connection, id, rows, series, next_fresh: 1, samples: 0, lock: None };
         file.read_state().map_err(|error| file.problem(&error))?;
         Ok(file)
     }
@@ -261,7 +279,7 @@ impl RecordingFile {
 
     /// Leaves a single file that needs no journal beside it, unless somebody looks at it just now.
     pub fn close(self) {
-        let Self { connection, _lock, .. } = self;
+        let Self { connection, lock: _lock, .. } = self;
         let _ = connection.busy_timeout(Duration::ZERO);
         let _ = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         let _ = connection.query_row("PRAGMA journal_mode = DELETE", [], |_| Ok(()));

@@ -131,6 +131,21 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_cannot_be_made_leaves_nothing_and_its_name_free() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name(at("2026-11-22T14:20:05Z"), 1));
+        // The file is made, but its first transaction fails.
+        let journal = beside(&path, "-journal");
+        fs::create_dir(&journal).unwrap();
+        for _ in 0..3 {
+            assert!(begin(folder.path(), at("2026-11-22T14:20:05Z")).is_err());
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        }
+        fs::remove_dir(&journal).unwrap();
+        assert_eq!(make(folder.path(), "2026-11-22T14:20:05Z"), real_path(&path));
+    }
+
+    #[test]
     fn names_of_others_are_no_recordings() {
         for name in [
             "dcon-bench.sqlite",

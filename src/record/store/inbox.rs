@@ -104,6 +104,18 @@ impl Inbox {
         self.make_room();
     }
 
+    /// Takes out all samples and events that wait, each in their order.
+    pub fn drain(&mut self) -> Vec<Record> {
+        let mut all = Vec::with_capacity(self.events.len().saturating_add(self.samples.len()));
+        while !self.is_empty() {
+            let Batch { events, samples, .. } = self.take();
+            all.extend(events.into_iter().map(Record::Event));
+            all.extend(samples.into_iter().map(|(id, sample)| Record::Sample(id, sample)));
+        }
+        self.written();
+        all
+    }
+
     pub fn is_empty(&self) -> bool {
         self.described.is_empty() && self.events.is_empty() && self.samples.is_empty()
     }
@@ -164,5 +176,18 @@ mod tests {
         inbox.written();
         inbox.put(vec![sample(0, 7), sample(1, 7)]);
         assert_eq!(times(&inbox.take()), [(7, false), (7, false)]);
+    }
+
+    #[test]
+    fn all_that_waits_can_be_taken_away_with_its_gaps() {
+        let mut inbox = Inbox { room: AT_ONCE + 2, ..Inbox::default() };
+        inbox.put((0..AT_ONCE as i64 + 5).map(|at| sample(0, at)).collect());
+        let all = inbox.drain();
+        let samples = all.iter().filter_map(|record| match record {
+            Record::Sample(_, sample) => Some((sample.at, sample.gap)),
+            _ => None,
+        });
+        assert!(samples.eq((3..AT_ONCE as i64 + 5).map(|at| (at, at == 3))));
+        assert_eq!((inbox.waiting(), inbox.is_empty()), (0, true));
     }
 }

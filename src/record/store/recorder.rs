@@ -127,6 +127,18 @@ impl Recorder {
     /// # Errors
     /// What is lost because it cannot be written.
     pub fn finish(mut self) -> Result<RecordingStatus, StoreError> {
+        self.finished()
+    }
+
+    /// Writes what waits and closes the file, and gives back what cannot be written: events, then samples, each in
+    /// their order, without the modules and series that they belong to. Another recorder can take it.
+    pub fn finish_keeping(mut self) -> (Result<RecordingStatus, StoreError>, Vec<Record>) {
+        let finished = self.finished();
+        let unwritten = self.shared.state().inbox.drain();
+        (finished, unwritten)
+    }
+
+    fn finished(&mut self) -> Result<RecordingStatus, StoreError> {
         self.end();
         let ended = self.thread.take().map(JoinHandle::join);
         let status = self.status();

@@ -102,7 +102,11 @@ impl Session {
         if let Some(limit) = &self.limit {
             file.limit(limit.load(Ordering::Relaxed));
         }
-        let outcome = file.write(&self.catalogue, &self.begun, &batch.events, &batch.samples)?;
+        let written = file.write(&self.catalogue, &self.begun, &batch.events, &batch.samples);
+        if self.is_beyond_repair(&file, &written) {
+            self.path = None;
+        }
+        let outcome = written?;
         self.begun.extend(outcome.begun.iter().copied());
         self.shelve(file.path().to_owned(), &file, &outcome);
         self.unsettled = self.unsettled.or_else(|| Some(Instant::now()));
@@ -119,6 +123,12 @@ impl Session {
             self.tidy();
         }
         Ok(outcome)
+    }
+
+    /// The next file is to be tried. Where nothing could ever be written, the next one would not fare better.
+    fn is_beyond_repair(&self, file: &RecordingFile, written: &Result<Outcome, StoreError>) -> bool {
+        let is_damaged = matches!(written, Err(StoreError::Damaged { .. }));
+        is_damaged && file.samples() > 0 && matches!(self.destination, Destination::Folder { .. })
     }
 
     fn is_full(&self, file: &RecordingFile) -> bool {

@@ -17,8 +17,6 @@ use super::shared::Shared;
 
 /// How often it is looked whether the recording has grown.
 const LOOK: Duration = Duration::from_secs(1);
-/// Nobody looks at the recording who has not pumped for so long.
-const AWAY: Duration = Duration::from_secs(3);
 
 /// What was read, in the order in which it is to be taken in.
 enum Found {
@@ -31,10 +29,48 @@ enum Found {
 struct State {
     wants: Wants,
     found: Vec<Found>,
-    problem: Option<StoreError>,
-    /// When somebody has looked at it last.
-    pumped: Option<Instant>,
+    /// Why it cannot be looked whether it has grown.
+    looking: Option<StoreError>,
+    /// The first stretch that could not be fetched, until it can: others come and go meanwhile.
+    fetching: Option<((SeriesId, [Micros; 2]), StoreError)>,
     ending: bool,
+}
+
+impl State {
+    fn problem(&self) -> Option<&StoreError> {
+        self.looking.as_ref().or_else(|| self.fetching.as_ref().map(|(_, problem)| problem))
+    }
+
+    /// What was found earlier waits to be taken: more of it would only take memory.
+    fn has_news(&self) -> bool {
+        self.found.iter().any(|found| !matches!(found, Found::Samples(..)))
+    }
+
+    fn is_due(&self, look_at: Instant) -> bool {
+        !self.has_news() && Instant::now() >= look_at
+    }
+
+    fn looked(&mut self, found: Result<Option<Found>, StoreError>) {
+        match found {
+            Ok(found) => {
+                self.found.extend(found);
+                self.looking = None;
+            }
+            Err(problem) => self.looking = Some(problem),
+        }
+    }
+
+    fn fetched(&mut self, wanted: (SeriesId, [Micros; 2]), samples: Result<Vec<Sample>, StoreError>) {
+        match samples {
+            Ok(samples) => {
+                self.found.push(Found::Samples(wanted.0, samples));
+                self.fetching = self.fetching.take().filter(|(failed, _)| *failed != wanted);
+            }
+            Err(problem) => {
+                self.fetching.get_or_insert((wanted, problem));
+            }
+        }
+    }
 }
 
 /// A recording opened for the window. The thread ends when this is dropped.
@@ -52,22 +88,21 @@ impl Viewer {
     /// If no thread can be started.
     pub fn open(path: PathBuf, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let shared = Arc::new(Shared::<State>::default());
-        shared.state().pumped = Some(Instant::now());
         let reader = Reader { path: path.clone(), shared: shared.clone(), recording: None, wake };
         std::thread::Builder::new().name("recording viewer".to_owned()).spawn(move || reader.run())?;
         Ok(Self { path, shared, history: None, problem: None })
     }
 
     /// Takes in what was read, and asks for what was looked at and is not in memory. True if anything changed. It is
-    /// looked once a second whether the recording has grown, as long as this is called at least every three seconds.
+    /// looked once a second whether the recording has grown; what was found then waits until this is called.
     pub fn pump(&mut self) -> bool {
         let mut state = self.shared.state();
         let found = std::mem::take(&mut state.found);
-        let changed = !found.is_empty() || state.problem != self.problem;
-        self.problem.clone_from(&state.problem);
-        let was_away = state.pumped.is_none_or(|at| at.elapsed() >= AWAY);
-        state.pumped = Some(Instant::now());
+        let problem = state.problem().cloned();
         drop(state);
+        let changed = !found.is_empty() || problem != self.problem;
+        let taken = !found.is_empty();
+        self.problem = problem;
         for found in found {
             match (found, &mut self.history) {
                 (Found::All(history), mine) => *mine = Some(*history),
@@ -77,7 +112,7 @@ impl Viewer {
             }
         }
         let asked = self.ask();
-        if asked || was_away {
+        if asked || taken {
             self.shared.changed.notify_all();
         }
         changed
@@ -109,7 +144,7 @@ impl Viewer {
         self.history.as_ref()
     }
 
-    /// Why it cannot be read; it is tried again every second.
+    /// Why it, or a part of it, cannot be read; it is tried again.
     pub fn problem(&self) -> Option<&StoreError> {
         self.problem.as_ref()
     }
@@ -134,36 +169,34 @@ impl<F: Fn()> Reader<F> {
     fn run(mut self) {
         let mut look_at = Instant::now();
         while !self.shared.state().ending {
-            if Instant::now() >= look_at {
+            if self.shared.state().is_due(look_at) {
                 let found = self.look();
-                self.tell(found);
+                self.tell(|state| state.looked(found));
                 look_at = Instant::now().checked_add(LOOK).unwrap_or(look_at);
             }
             let next = self.shared.state().wants.next();
             match (next, &mut self.recording) {
-                (Some((id, [from, to])), Some(recording)) => {
-                    let samples = recording.samples(id, from, to).map(|samples| Some(Found::Samples(id, samples)));
-                    self.tell(samples);
+                (Some(wanted @ (id, [from, to])), Some(recording)) => {
+                    let samples = recording.samples(id, from, to);
+                    self.tell(|state| state.fetched(wanted, samples));
                 }
                 _ => self.rest(look_at),
             }
         }
     }
 
-    /// Until something is wanted, or it is time to look again and somebody is there to see it.
+    /// Until something is wanted, or it is time to look again.
     fn rest(&self, look_at: Instant) {
         let mut state = self.shared.state();
         loop {
-            let now = Instant::now();
-            let is_seen = state.pumped.is_some_and(|at| now.saturating_duration_since(at) < AWAY);
-            if state.ending || !state.wants.is_empty() || (is_seen && now >= look_at) {
+            if state.ending || !state.wants.is_empty() || state.is_due(look_at) {
                 return;
             }
-            let left = look_at.saturating_duration_since(now);
-            state = if is_seen {
-                self.shared.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0
-            } else {
+            state = if state.has_news() {
                 self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner)
+            } else {
+                let left = look_at.saturating_duration_since(Instant::now());
+                self.shared.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0
             };
         }
     }
@@ -179,18 +212,50 @@ impl<F: Fn()> Reader<F> {
         Ok(Some(Found::All(Box::new(history))))
     }
 
-    fn tell(&self, found: Result<Option<Found>, StoreError>) {
-        let (found, problem) = match found {
-            Ok(found) => (found, None),
-            Err(problem) => (None, Some(problem)),
-        };
+    fn tell(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.shared.state();
-        let changed = found.is_some() && state.found.is_empty() || problem != state.problem;
-        state.found.extend(found);
-        state.problem = problem;
+        let (was_empty, problem) = (state.found.is_empty(), state.problem().cloned());
+        change(&mut state);
+        let changed = was_empty && !state.found.is_empty() || problem.as_ref() != state.problem();
         drop(state);
         if changed {
             (self.wake)();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_that_cannot_be_fetched_is_told_once_until_it_can() {
+        let mut state = State::default();
+        let problem = |reason: &str| StoreError::damaged(Path::new("a.sqlite"), reason);
+        let (bad, good) = ((SeriesId(0), [0, 9]), (SeriesId(0), [10, 19]));
+        state.fetched(bad, Err(problem("broken")));
+        for _ in 0..2 {
+            state.looked(Ok(None));
+            state.fetched(good, Ok(Vec::new()));
+            state.fetched((SeriesId(1), [0, 9]), Err(problem("also broken")));
+            assert_eq!(state.problem(), Some(&problem("broken")));
+        }
+        state.looked(Err(problem("gone")));
+        assert_eq!(state.problem(), Some(&problem("gone")));
+        state.looked(Ok(None));
+        state.fetched(bad, Ok(Vec::new()));
+        assert_eq!(state.problem(), None);
+    }
+
+    #[test]
+    fn it_is_not_looked_again_before_the_news_are_taken() {
+        let mut state = State::default();
+        let now = Instant::now();
+        state.fetched((SeriesId(0), [0, 9]), Ok(Vec::new()));
+        assert!(state.is_due(now));
+        state.looked(Ok(Some(Found::More(News::default()))));
+        assert!(!state.is_due(now));
+        state.found.clear();
+        assert!(state.is_due(now));
     }
 }
