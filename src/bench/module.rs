@@ -251,10 +251,10 @@ impl Module {
     }
 
     fn note_presence(&mut self, at: Timestamp, silent: Option<Failure>) {
-        if let Some(observer) = &mut self.observer {
-            if let Some(entry) = observer.presence(at, silent.as_ref()) {
-                self.journal.push(entry);
-            }
+        if let Some(observer) = &mut self.observer
+            && let Some(entry) = observer.presence(at, silent.as_ref())
+        {
+            self.journal.push(entry);
         }
         self.presence = silent.map_or(Presence::Answering, |failure| Presence::Silent { failure });
     }

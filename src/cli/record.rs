@@ -100,7 +100,9 @@ pub fn run(args: &RecordArgs) -> Outcome {
     let recorder = recorder.map_err(|error| Stop::failed(format!("the recording could not be started: {error}")))?;
     let mut roll = Roll::new(recorder, TerminalLine::new(SHOW_EVERY));
     let mut places = Places::new(targets, args.line.address().to_string(), args.interval);
-    let begin = Instant::now();
+    let (begin, count) = (Instant::now(), places.count());
+    let modules = if count == 1 { "1 module".to_owned() } else { format!("{count} modules") };
+    output::message(&format!("recording {modules} into {} – Ctrl-C ends it", args.out.display()));
     let end = args.duration.and_then(|duration| begin.checked_add(duration));
     let ended = follow(&session, &mut places, &mut roll, &interrupt, end);
     let told = tell_end(roll, args, begin.elapsed(), interrupt.came());

@@ -12,13 +12,13 @@ mod unix {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
     use super::super::stop::Stop;
     use super::Outcome;
 
-    /// SIGINT and SIGTERM, once caught. A second one ends the program at once.
+    /// SIGINT, SIGTERM and SIGHUP (the terminal was closed), once caught. A second one ends the program at once.
     pub struct Interrupt {
         came: Arc<AtomicBool>,
         signals: Signals,
@@ -28,12 +28,12 @@ mod unix {
         pub fn catch() -> Outcome<Self> {
             let failed = |error| Stop::failed(format!("signals cannot be caught: {error}"));
             let came = Arc::new(AtomicBool::new(false));
-            for signal in [SIGINT, SIGTERM] {
+            for signal in [SIGHUP, SIGINT, SIGTERM] {
                 // In this order: the first signal finds the flag not yet set.
                 signal_hook::flag::register_conditional_shutdown(signal, 1, came.clone()).map_err(failed)?;
                 signal_hook::flag::register(signal, came.clone()).map_err(failed)?;
             }
-            Ok(Self { came, signals: Signals::new([SIGINT, SIGTERM]).map_err(failed)? })
+            Ok(Self { came, signals: Signals::new([SIGHUP, SIGINT, SIGTERM]).map_err(failed)? })
         }
 
         pub fn came(&self) -> bool {

@@ -50,6 +50,11 @@ enum Stage {
 }
 
 impl Places {
+    /// How many modules there are.
+    pub fn count(&self) -> usize {
+        self.all.len()
+    }
+
     pub fn new(targets: Vec<Target>, line: String, interval: Duration) -> Self {
         let due = Instant::now();
         let place = |target| Place { target, stage: Stage::Unknown { due, pause: FIRST_PAUSE }, said: None };

@@ -34,6 +34,10 @@ impl Columns {
         self.offsets.len()
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.offsets.is_empty()
+    }
+
     /// False if there is no room for it: the block is full, or the sample comes more than 71 minutes after its first.
     pub fn push(&mut self, sample: Sample) -> bool {
         let index = self.len();

@@ -217,7 +217,7 @@ fn plain_statistics(samples: &[Sample], from: Micros, to: Micros) -> Option<Stat
                 result.on += if on { (end - begin) as f64 / 1e6 } else { 0.0 };
             }
             let counted_before =
-                was_on && sample.at >= from && index > 0 && samples[index - 1].at <= to && !(sample.at > to);
+                was_on && sample.at >= from && index > 0 && samples[index - 1].at <= to && sample.at <= to;
             if on && !(was_on && counted_before) {
                 result.times += 1;
             }
