@@ -79,6 +79,7 @@ impl Stage {
     /// Polls a module once a second until now, for so many seconds, while its air and its visitors change.
     pub fn live(&mut self, bench: &mut Bench, target: Target, seconds: u32) {
         let Some(definition) = self.definition(&target) else { return };
+        bench.apply(Action::SetInterval(target, Duration::from_secs(1)));
         for second in 0..=seconds {
             let phase = f64::from(second) / 9.0;
             self.sim.set_temperature(target.address, 24.5 + phase.sin() * 0.6);
@@ -93,6 +94,7 @@ impl Stage {
             let id = self.id();
             bench.take(BusEvent::Read { id, target, at, values });
         }
+        bench.apply(Action::StopPolling(target));
     }
 
     fn parts(&mut self, target: Target, definition: &Definition) -> Vec<String> {
