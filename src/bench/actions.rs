@@ -7,6 +7,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use super::console::{RawCommand, Script};
+use super::observer::LIMITS;
 use super::{Bench, DEFAULT_INTERVAL, LineState, Module, RecordingId, ScanState, Severity};
 use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
 use crate::protocol::LineSettings;
@@ -262,6 +263,17 @@ impl Bench {
             Some(_) => ItemSet::Named(module.polled_items().into_iter().map(str::to_owned).collect()),
         };
         self.send(BusCommand::Watch { id, target, definition, items, interval });
+        self.read_limits(target);
+    }
+
+    /// Plots draw the limits beside the readings, so they are asked for once.
+    fn read_limits(&mut self, target: Target) {
+        let Some(module) = self.module(&target) else { return };
+        let is_missing = |id: &&str| {
+            module.known(id).is_none() && module.item(id).is_some_and(|item| !item.live && module.has(item))
+        };
+        let missing = LIMITS.into_iter().filter(is_missing).map(str::to_owned).collect();
+        self.read(target, missing);
     }
 
     fn choose_polled(&mut self, target: Target, items: Option<BTreeSet<String>>) {

@@ -13,7 +13,7 @@ use crate::protocol::{Failure, Protocol};
 use crate::record::{EventKind, History, ModuleId, ModuleInfo, SeriesId, SeriesInfo, SeriesKind, micros_of};
 
 /// Settings that are kept as series too, because plots draw them beside the readings.
-const LIMITS: [&str; 2] = ["alarm_limit", "alarm_mode"];
+pub(super) const LIMITS: [&str; 2] = ["alarm_limit", "alarm_mode"];
 /// A sample that comes so much later than its interval has a gap before it, polls were missed: half an interval, this at
 /// least, and not only as late as on a line that is always too slow for its polls.
 const LATE_AT_LEAST: Duration = Duration::from_secs(2);
