@@ -186,11 +186,17 @@ impl Block {
     /// Its first sample does not continue the one before it any more.
     pub(super) fn mark_gap(&mut self) {
         self.node.gap = true;
-        if let Some(samples) = &mut self.samples {
-            let gaps = &mut Arc::make_mut(samples).gaps;
-            if gaps.first() != Some(&0) {
-                gaps.insert(0, 0);
-            }
+        let Some(samples) = &mut self.samples else { return };
+        let samples = Arc::make_mut(samples);
+        if samples.gaps.first() != Some(&0) {
+            samples.gaps.insert(0, 0);
+        }
+        // The time since the sample before does not count any more.
+        let mut before = None;
+        let mut nodes = samples.iter().map(|sample| Node::of(sample, before.replace(sample)));
+        if let Some(mut node) = nodes.next() {
+            nodes.for_each(|later| node.merge(&later));
+            self.node = node;
         }
     }
 

@@ -311,7 +311,7 @@ impl Trend {
         for (index, mut block) in std::mem::take(&mut self.blocks).into_iter().enumerate() {
             if block.samples.is_some() && forgotten < samples && index < last {
                 forgotten = forgotten.saturating_add(block.resident());
-                gap = !kept.is_empty();
+                gap = true;
                 continue;
             }
             if std::mem::take(&mut gap) {

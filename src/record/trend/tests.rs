@@ -160,6 +160,8 @@ fn what_is_forgotten_between_leaves_a_gap_and_what_is_on_the_disk_stays() {
     let lines = whole.lines(0.0, 5_000.0, 100);
     assert_eq!(lines.len(), 2, "the third and fourth block are gone");
     assert_eq!(lines[1][0][0], 2_048.0);
+    let observed = whole.statistics(0.0, 5_000.0).unwrap().observed;
+    assert_eq!(observed, 1_023.0 + 2_951.0, "from 0 to 1023 and from 2048 to 4999");
 }
 
 #[test]
