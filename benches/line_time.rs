@@ -268,7 +268,7 @@ fn processor_time() -> Duration {
     let started = Instant::now();
     for _ in 0..rounds {
         use dcon_bench::module::Ask;
-        dialogue.with(target, dcon_bench::bus::Patience::POLL).ask(&query).expect("an answer");
+        dialogue.with(target, dcon_bench::bus::Patience::CONVERSATION).ask(&query).expect("an answer");
     }
     started.elapsed() / rounds
 }

@@ -18,7 +18,9 @@
 
 pub mod bench;
 pub mod bus;
+pub mod capture;
 pub mod cli;
+pub mod diagnosis;
 pub mod folders;
 pub mod mimic;
 pub mod module;
@@ -26,4 +28,6 @@ pub mod picture;
 pub mod protocol;
 pub mod record;
 pub mod sim;
+pub mod soak;
+#[cfg(feature = "window")]
 pub mod ui;

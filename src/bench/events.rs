@@ -1,7 +1,7 @@
 //! Takes in what the bus tells.
 
 use super::{Bench, LineState, Module, Reading, ScanState, Severity, Statistics};
-use crate::bus::{BusEvent, RequestId, ScanSummary, Target};
+use crate::bus::{BusEvent, LineAddress, RequestId, ScanSummary, Target};
 use crate::module::Identified;
 use crate::protocol::Failure;
 use crate::record::EventKind;
@@ -29,7 +29,7 @@ impl Bench {
         }
         match event {
             BusEvent::LineLost { reason } => self.line_is_lost(reason),
-            BusEvent::LineRestored => self.line_is_restored(),
+            BusEvent::LineRestored { line } => self.line_is_restored(line),
             BusEvent::ScanProgress { id, progress } => {
                 if let Some(ScanState::Running { progress: shown, .. }) = self.running_scan(id) {
                     *shown = Some(progress);
@@ -99,8 +99,8 @@ impl Bench {
         }
     }
 
-    fn line_is_restored(&mut self) {
-        if let Some(line) = self.line.line().cloned() {
+    fn line_is_restored(&mut self, line: LineAddress) {
+        if self.line.line().is_some() {
             self.note_line(EventKind::Found, format!("{line} is there again"));
             self.notify(Severity::Info, format!("{line} is there again"));
             self.line = LineState::Open { line };

@@ -256,16 +256,17 @@ impl Speaker<'_> {
         self
     }
 
-    fn repeats(&self, query: &Query, failure: &Failure, silences: u8, garbage: u8) -> bool {
+    /// Whether to ask once more, after so many repetitions.
+    fn repeats(&self, query: &Query, failure: &Failure, repeated: u8) -> bool {
         if query.is_write() {
             return false;
         }
         match failure {
             Failure::Silent => {
                 let more = if self.changed_settings { self.patience.after_change } else { 0 };
-                silences < self.patience.after_silence.saturating_add(more)
+                repeated < self.patience.after_silence.saturating_add(more)
             }
-            failure if failure.is_garbage() => garbage < self.patience.after_garbage,
+            failure if failure.is_garbage() => repeated < self.patience.after_garbage,
             _ => false,
         }
     }
@@ -284,7 +285,7 @@ impl Ask for Speaker<'_> {
         if self.target.protocol != Protocol::ModbusTcp {
             self.changed_settings |= self.dialogue.configure(self.target.settings)?;
         }
-        let (mut silences, mut garbage) = (0u8, 0u8);
+        let mut repeated = 0u8;
         let window = if query.is_write() { Patience::WRITE_WINDOW } else { self.patience.window };
         loop {
             let outcome = self.dialogue.once(&self.target, query, window);
@@ -293,14 +294,12 @@ impl Ask for Speaker<'_> {
                 self.changed_settings = false;
                 return outcome;
             };
-            if !self.repeats(query, failure, silences, garbage) {
+            if !self.repeats(query, failure, repeated) {
                 self.changed_settings = false;
                 return outcome;
             }
-            match failure {
-                Failure::Silent => silences = silences.saturating_add(1),
-                _ => garbage = garbage.saturating_add(1),
-            }
+            repeated = repeated.saturating_add(1);
+            self.dialogue.counts.repeats = self.dialogue.counts.repeats.saturating_add(1);
         }
     }
 }

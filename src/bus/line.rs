@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
+
 use crate::protocol::LineSettings;
 
 /// An operating system wakes a sleeper late; the end of a wait is watched instead, so that pauses of a millisecond or
@@ -54,6 +56,11 @@ pub trait Line: Send {
 
     /// The line's clock.
     fn now(&self) -> Instant;
+
+    /// What the system's clock shows; unlike the line's it can jump.
+    fn wall(&self) -> Timestamp {
+        Timestamp::now()
+    }
 
     /// Lets the time pass until `instant`; returns at once if it has passed.
     fn wait_until(&mut self, instant: Instant);

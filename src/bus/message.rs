@@ -9,7 +9,7 @@ use jiff::Timestamp;
 use super::problem::LineProblem;
 use super::scan::{ScanPlan, ScanProgress, ScanSummary};
 use super::tap::Frame;
-use super::target::{LineAddress, Target};
+use super::target::{LineAddress, Target, Tuning};
 use crate::module::{Definition, Identified, Value, WriteError};
 use crate::protocol::{Failure, LineSettings};
 
@@ -55,6 +55,8 @@ pub enum BusCommand {
     PauseScan(bool),
     /// Ends the running scan; what was found stays. → [`BusEvent::ScanEnded`]
     CancelScan,
+    /// How patient the line is from now on, and those that are opened later. No event follows.
+    Tune(Tuning),
     /// Asks one module what it is, with reads only. → [`BusEvent::Identified`]
     Identify { id: RequestId, target: Target },
     /// Reads items once. → [`BusEvent::Read`]
@@ -97,8 +99,10 @@ pub enum BusEvent {
     LineLost {
         reason: String,
     },
-    /// The port is there again, with its settings.
-    LineRestored,
+    /// The port is there again, with its settings; perhaps under another name.
+    LineRestored {
+        line: LineAddress,
+    },
     ScanProgress {
         id: RequestId,
         progress: ScanProgress,
@@ -167,6 +171,8 @@ pub struct Statistics {
     pub transactions: u64,
     /// Answers missing or unusable, scans not counted.
     pub errors: u64,
+    /// Reads that were asked again.
+    pub repeats: u64,
     /// Over the last second or so.
     pub transactions_per_second: f32,
     /// From the end of the last answered request to the answer's first byte.

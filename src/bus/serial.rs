@@ -22,6 +22,19 @@ pub struct PortInfo {
     pub description: String,
     /// Why it cannot be opened at this moment, where that is known without opening it.
     pub problem: Option<String>,
+    /// What it keeps when it is plugged in elsewhere; `None` unless it is a USB adapter.
+    pub usb: Option<UsbIdentity>,
+}
+
+/// What tells one USB adapter from another, whatever its port is called.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct UsbIdentity {
+    pub vendor: u16,
+    pub product: u16,
+    /// Cheap adapters have none.
+    pub serial: Option<String>,
+    /// Which port of an adapter with several.
+    pub interface: Option<u8>,
 }
 
 /// The serial ports that are there now, USB adapters first.
@@ -56,7 +69,13 @@ fn describe(port: serialport::SerialPortInfo) -> PortInfo {
         SerialPortType::PciPort => "built in".to_owned(),
         SerialPortType::Unknown => String::new(),
     };
-    PortInfo { problem: why_not(&port.port_name), name: port.port_name, description }
+    let usb = match port.port_type {
+        SerialPortType::UsbPort(usb) => {
+            Some(UsbIdentity { vendor: usb.vid, product: usb.pid, serial: usb.serial_number, interface: None })
+        }
+        _ => None,
+    };
+    PortInfo { problem: why_not(&port.port_name), name: port.port_name, description, usb }
 }
 
 #[cfg(unix)]

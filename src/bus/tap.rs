@@ -6,6 +6,9 @@ use jiff::{SignedDuration, Timestamp};
 
 use crate::protocol::{Failure, LineSettings, Protocol, dcon};
 
+/// The reason that stands with bytes that belong to no request.
+pub const UNASKED: &str = "bytes that belong to no request";
+
 /// Which way bytes went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
@@ -45,6 +48,12 @@ pub struct Frame {
     /// Sent: how long the frame occupies the wire (nothing over TCP). Received: from the end of the request to the last
     /// byte, or to giving up.
     pub took: Duration,
+    /// Received: from the end of the request to the first byte that is neither echo nor noise. `None` if there was none.
+    pub first_byte: Option<Duration>,
+    /// Received: the request's echo stands before the answer.
+    pub echo: bool,
+    /// Received: stray bytes stand around the answer.
+    pub noise: bool,
     pub verdict: Verdict,
 }
 
@@ -64,6 +73,12 @@ impl Exchange {
 
     pub fn answer(self, at: Timestamp, bytes: Vec<u8>, took: Duration, verdict: Verdict) -> Frame {
         self.frame(at, Direction::Received, bytes, took, verdict)
+    }
+
+    /// What came while nobody was asked, or when the answer had come already.
+    pub fn unasked(self, at: Timestamp, bytes: Vec<u8>) -> Frame {
+        let nobodys = Self { address: None, ..self };
+        nobodys.answer(at, bytes, Duration::ZERO, Verdict::Broken(UNASKED.to_owned()))
     }
 
     /// How the exchange ended.
@@ -95,7 +110,20 @@ impl Exchange {
 
     fn frame(self, at: Timestamp, direction: Direction, bytes: Vec<u8>, took: Duration, verdict: Verdict) -> Frame {
         let Self { protocol, settings, address, checksum } = self;
-        Frame { at, direction, bytes, protocol, settings, address, checksum, took, verdict }
+        Frame {
+            at,
+            direction,
+            bytes,
+            protocol,
+            settings,
+            address,
+            checksum,
+            took,
+            first_byte: None,
+            echo: false,
+            noise: false,
+            verdict,
+        }
     }
 }
 

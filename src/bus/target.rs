@@ -1,6 +1,7 @@
 //! Which line, and which module on it.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -78,7 +79,37 @@ impl fmt::Display for Target {
     }
 }
 
-/// How long to wait, and how often to ask again.
+/// What the user can set about how patient a line is with its modules.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tuning {
+    /// From the end of a request's last bit to the answer's first byte, in conversations and polls; within
+    /// [`Self::TIMEOUTS`]. The vendor's utility waits 200 ms too (PIR-234 manual 4.3).
+    pub timeout: Duration,
+    /// How often a read is asked again when no usable answer came; within [`Self::REPEATS`]. Writes are never repeated.
+    pub repeats: u8,
+}
+
+impl Tuning {
+    pub const TIMEOUTS: RangeInclusive<Duration> = Duration::from_millis(20)..=Duration::from_secs(5);
+    pub const REPEATS: RangeInclusive<u8> = 0..=5;
+
+    /// The nearest that is allowed.
+    pub fn within_limits(self) -> Self {
+        let (timeouts, repeats) = (Self::TIMEOUTS, Self::REPEATS);
+        Self {
+            timeout: self.timeout.clamp(*timeouts.start(), *timeouts.end()),
+            repeats: self.repeats.clamp(*repeats.start(), *repeats.end()),
+        }
+    }
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        Self { timeout: Duration::from_millis(200), repeats: 2 }
+    }
+}
+
+/// How long to wait, and how often to ask again; repetitions of either kind count together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Patience {
     /// From the end of the request's last bit to the answer's first byte.
@@ -87,24 +118,29 @@ pub struct Patience {
     pub after_silence: u8,
     /// How often a read is repeated after an answer that could not be used.
     pub after_garbage: u8,
-    /// How often a read is repeated after silence if speed or format were changed for it: the first exchange after a
-    /// change is sometimes lost.
+    /// How much more often a read is repeated after silence if speed or format were changed for it: the first exchange
+    /// after a change is sometimes lost.
     pub after_change: u8,
 }
 
 impl Patience {
-    /// For a module that is known to be there. The vendor's utility waits 200 ms too (PIR-234 manual 4.3).
+    /// For a module that is known to be there, unless the user has set something else.
     pub const CONVERSATION: Self =
-        Self { window: Duration::from_millis(200), after_silence: 1, after_garbage: 2, after_change: 1 };
-
-    /// For polls: the next poll asks again anyway.
-    pub const POLL: Self = Self { after_silence: 0, ..Self::CONVERSATION };
-
-    /// For polls of a module that was silent before, which must not delay the others for longer than one window.
-    pub const PROBE: Self = Self { after_garbage: 0, after_change: 0, ..Self::POLL };
+        Self { window: Duration::from_millis(200), after_silence: 2, after_garbage: 2, after_change: 1 };
 
     /// A module may store what is written before it answers. Writes are never repeated.
     pub const WRITE_WINDOW: Duration = Duration::from_millis(500);
+
+    /// For a module that is known to be there.
+    pub fn of(tuning: Tuning) -> Self {
+        let Tuning { timeout: window, repeats } = tuning.within_limits();
+        Self { window, after_silence: repeats, after_garbage: repeats, after_change: 1 }
+    }
+
+    /// For polls of a module that was silent before, which must not delay the others for longer than one window.
+    pub fn probing(self) -> Self {
+        Self { after_silence: 0, after_garbage: 0, after_change: 0, ..self }
+    }
 
     /// For an address of which nothing is known.
     pub fn scan(window: Duration) -> Self {

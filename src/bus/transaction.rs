@@ -87,10 +87,11 @@ impl Wire {
     pub fn new(mut line: Box<dyn Line>, settings: LineSettings, tap: Tap) -> Result<Self, LineLost> {
         line.configure(settings)?;
         let now = line.now();
+        let clock = Clock::starting(now, line.wall());
         Ok(Self {
             line,
             settings,
-            clock: Clock::starting(now, Timestamp::now()),
+            clock,
             tap,
             last_activity: now,
             disturbed: false,
@@ -170,7 +171,7 @@ impl Wire {
     /// bit to the answer's first byte.
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
         self.ended = None;
-        self.clock.follow(self.line.now(), Timestamp::now());
+        self.clock.follow(self.line.now(), self.line.wall());
         self.become_quiet(expected)?;
         self.line.purge()?;
         let started = self.line.now();

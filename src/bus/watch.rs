@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::message::{ItemSet, RequestId};
 use super::schedule::Schedule;
-use super::target::{Patience, Target};
+use super::target::Target;
 use crate::module::{Definition, ReadPlan};
 
 /// Polls after which a module that answers, but not to the question for its optional parts, is asked for them again.
@@ -53,7 +53,8 @@ pub struct Poll {
     pub id: RequestId,
     pub target: Target,
     pub plan: ReadPlan,
-    pub patience: Patience,
+    /// It did not answer the poll before.
+    pub was_silent: bool,
 }
 
 /// All watches of a line; each module has one at most. Times are the line's.
@@ -100,9 +101,9 @@ impl Watches {
     /// The poll whose turn it is, if any is due.
     pub fn take_due(&mut self, now: Instant) -> Option<Poll> {
         let target = self.schedule.take_due(now)?;
-        let patience = if self.schedule.is_silent(target) { Patience::PROBE } else { Patience::POLL };
+        let was_silent = self.schedule.is_silent(target);
         let watch = self.watch(&target)?;
-        Some(Poll { id: watch.id, target, plan: watch.plan.clone(), patience })
+        Some(Poll { id: watch.id, target, plan: watch.plan.clone(), was_silent })
     }
 
     /// A poll is over. `plan` is what it has learned about how to read the module.

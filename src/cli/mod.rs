@@ -4,6 +4,7 @@
 //! the line or a module refused or stayed silent, 2 for wrong usage. Standard output that was closed ends quietly with 0.
 
 mod action;
+mod diagnose;
 mod export;
 mod get;
 mod line_args;
@@ -12,6 +13,7 @@ mod output;
 mod parse;
 mod ports;
 mod record;
+mod replay;
 mod scan;
 mod send;
 mod session;
@@ -19,6 +21,7 @@ mod set;
 mod show;
 mod signals;
 mod simulate;
+mod soak;
 mod stop;
 mod terminal;
 mod watch;
@@ -76,7 +79,10 @@ pub enum Command {
     Watch(watch::WatchArgs),
     Record(record::RecordArgs),
     Export(export::ExportArgs),
+    Diagnose(diagnose::DiagnoseArgs),
+    Replay(replay::ReplayArgs),
     Simulate(simulate::SimulateArgs),
+    Soak(soak::SoakArgs),
 }
 
 /// Carries out a subcommand.
@@ -92,7 +98,10 @@ pub fn run(command: Command) -> ExitCode {
         Command::Watch(args) => watch::run(&args),
         Command::Record(args) => record::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Soak(args) => soak::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

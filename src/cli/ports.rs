@@ -30,7 +30,7 @@ pub fn run(args: &PortsArgs) -> Outcome {
 
 fn table(ports: &[PortInfo]) -> Table {
     let mut table = Table::default();
-    for PortInfo { name, description, problem } in ports {
+    for PortInfo { name, description, problem, .. } in ports {
         table.row([name, description, problem.as_deref().unwrap_or_default()]);
     }
     table

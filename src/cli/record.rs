@@ -161,7 +161,7 @@ fn take(session: &Session, places: &mut Places, roll: &mut Roll, event: BusEvent
             let text = format!("The line was lost: {reason}");
             roll.note(Timestamp::now(), EventKind::Lost, text, " – waiting for it to come back");
         }
-        BusEvent::LineRestored => {
+        BusEvent::LineRestored { .. } => {
             // Not when it was lost: what was answered before that may be told after it.
             places.pause(&mut roll.history);
             roll.note(Timestamp::now(), EventKind::Found, "The line is back".to_owned(), "");

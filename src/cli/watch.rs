@@ -67,7 +67,7 @@ pub fn run(args: &WatchArgs) -> Outcome {
             Some(BusEvent::LineLost { reason }) => {
                 output::message(&format!("the line was lost: {reason} – waiting for it to come back"));
             }
-            Some(BusEvent::LineRestored) => output::message("the line is back"),
+            Some(BusEvent::LineRestored { line }) => output::message(&format!("the line is back: {line}")),
             _ => {}
         }
     }

@@ -6,11 +6,23 @@ use std::time::Duration;
 use super::DEMO;
 use super::device::Device;
 use super::ethernet::ResetCause;
+use super::faults::{FaultKind, Faults, Injected};
 use super::guest::Guest;
 use super::line::SimLine;
 use super::settings;
 use super::spec::ModuleSpec;
 use super::world::{Pace, World};
+
+/// The adapter through which a program reaches the line, as an operating system would list it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Adapter {
+    /// What to open; it can change when the adapter is plugged in anew.
+    pub name: String,
+    /// USB numbers of maker and product, and the serial number, which stay.
+    pub vendor: u16,
+    pub product: u16,
+    pub serial: String,
+}
 
 /// A handle on simulated modules, their clock and the faults of their line; clones share one world.
 ///
@@ -87,6 +99,31 @@ impl Sim {
     pub fn set_dead(&self, address: u8, dead: bool) {
         self.change(address, |device| device.dead = dead);
         self.world().seats_at(address).for_each(|seat| seat.dead = dead);
+    }
+
+    /// The adapters that are plugged in.
+    pub fn adapters(&self) -> Vec<Adapter> {
+        let world = self.world();
+        if world.faults.unplugged || world.faults.faults.is_on(FaultKind::Unplugged) {
+            return Vec::new();
+        }
+        let name = if world.faults.faults.is_on(FaultKind::Renamed) { "SIM2" } else { "SIM1" };
+        vec![Adapter { name: name.to_owned(), vendor: 0x0403, product: 0x6001, serial: "SIM00001".to_owned() }]
+    }
+
+    /// What goes wrong on the line at present.
+    pub fn faults(&self) -> Faults {
+        self.world().faults.faults.clone()
+    }
+
+    /// What goes wrong from now on; what was under way stays as it is.
+    pub fn set_faults(&self, faults: Faults) {
+        self.world().faults.faults = faults;
+    }
+
+    /// How often each fault has struck since the line began.
+    pub fn injected(&self) -> Injected {
+        self.world().faults.injected.clone()
     }
 
     /// The adapter hears itself: every sent byte comes back first.

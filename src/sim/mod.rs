@@ -33,8 +33,9 @@ mod tcp;
 mod watchdog;
 mod world;
 
+pub use faults::{Fault, FaultError, FaultKind, Faults, Injected, Strength};
 pub use guest::Guest;
-pub use handle::Sim;
+pub use handle::{Adapter, Sim};
 pub use line::SimLine;
 #[cfg(unix)]
 pub use pty::PtyServer;

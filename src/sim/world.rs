@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::protocol::LineSettings;
 
 use super::device::Device;
-use super::faults::Faults;
+use super::faults::Present;
 use super::guest::{Guest, Seat};
 use super::spec::ModuleSpec;
 
@@ -53,7 +53,7 @@ pub(super) struct Answer {
 #[derive(Debug)]
 pub(super) struct World {
     pub pace: Pace,
-    pub faults: Faults,
+    pub faults: Present,
     /// Time a module needs before its response delay begins.
     pub turnaround: Duration,
     pub requests: u64,
@@ -67,7 +67,7 @@ impl World {
     pub fn new(specs: &[ModuleSpec], pace: Pace) -> Self {
         let mut world = Self {
             pace,
-            faults: Faults::default(),
+            faults: Present::default(),
             turnaround: Duration::from_millis(5),
             requests: 0,
             devices: specs.iter().map(Device::new).collect(),

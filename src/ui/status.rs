@@ -46,7 +46,7 @@ fn line(ui: &mut Ui, line: &LineState) {
 
 fn facts(ui: &mut Ui, statistics: &Statistics) {
     let palette = theme::palette(ui);
-    let Statistics { transactions, errors, transactions_per_second, answer_time, echo, frames_missed, kinds } =
+    let Statistics { transactions, errors, repeats, transactions_per_second, answer_time, echo, frames_missed, kinds } =
         statistics;
     let rate = format!("{transactions_per_second:.1} transactions/s");
     widgets::fixed_coloured(ui, theme::RATE_WIDTH, Align::Max, &rate, palette.quiet)
@@ -56,6 +56,8 @@ fn facts(ui: &mut Ui, statistics: &Statistics) {
     let response =
         widgets::fixed_coloured(ui, theme::ERRORS_WIDTH, Align::Max, &format!("{share:.1} % errors"), colour);
     let by_kind: Vec<String> = kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    let repeated = (*repeats > 0).then(|| format!("{repeats} reads asked again"));
+    let by_kind: Vec<String> = by_kind.into_iter().chain(repeated).collect();
     let by_kind = if by_kind.is_empty() { "No answer was missing or unusable".to_owned() } else { by_kind.join("\n") };
     response.on_hover_text(by_kind);
     let answer = answer_time.map_or_else(String::new, |time| format!("answer {:.0} ms", time.as_secs_f64() * 1e3));

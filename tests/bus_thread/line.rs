@@ -119,7 +119,7 @@ mod through_the_serial_driver {
         drop(server);
         line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
         let _returned = PtyServer::open(&sim, Some(&name)).expect("a pseudo-terminal");
-        line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+        line.until(|event| matches!(event, BusEvent::LineRestored { .. }).then_some(()));
         line.until(read);
     }
 }

@@ -64,7 +64,7 @@ fn a_connection_that_was_cut_is_made_again() {
     drop(server);
     assert!(line.read(by_net_id(1), &definition, "humidity").is_err());
     let _server = dcon_bench::sim::TcpServer::bind(&line.sim, address).expect("the same port");
-    line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+    line.until(|event| matches!(event, BusEvent::LineRestored { .. }).then_some(()));
     assert!(line.read(by_net_id(1), &definition, "humidity").is_ok());
 }
 

@@ -151,7 +151,7 @@ fn a_pulled_adapter_is_told_and_polling_goes_on_when_it_returns() {
     line.sim.unplug();
     line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
     line.sim.plug();
-    line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+    line.until(|event| matches!(event, BusEvent::LineRestored { .. }).then_some(()));
     line.until(|event| match event {
         BusEvent::Read { values, .. } => values.iter().all(|answer| answer.result.is_ok()).then_some(()),
         _ => None,
@@ -166,7 +166,7 @@ fn on_a_line_that_returns_a_module_is_polled_at_once_whatever_its_interval() {
     line.sim.unplug();
     line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
     line.sim.plug();
-    line.until(|event| matches!(event, BusEvent::LineRestored).then_some(()));
+    line.until(|event| matches!(event, BusEvent::LineRestored { .. }).then_some(()));
     let mut seen = Vec::new();
     polls(&line, &mut seen, |seen| seen.iter().any(|poll| poll.answered));
 }

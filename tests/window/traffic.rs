@@ -50,6 +50,9 @@ fn frame(index: i64, bytes: &[u8], protocol: Protocol, verdict: Verdict) -> Fram
         address: Some(1),
         checksum: false,
         took: Duration::from_millis(if verdict == Verdict::Request { 8 } else { 12 }),
+        first_byte: None,
+        echo: false,
+        noise: false,
         verdict,
     }
 }

@@ -118,7 +118,7 @@ fn everything_that_happens_to_a_module_or_its_line_comes_into_the_history() {
     play.bench.take(BusEvent::Acted { id, target: MODULE, action, at: second(7), result: Ok(()) });
     play.bench.apply(Action::AddNote(second(8), "Filter cleaned".to_owned()));
     play.bench.take(BusEvent::LineLost { reason: "unplugged".to_owned() });
-    play.bench.take(BusEvent::LineRestored);
+    play.bench.take(BusEvent::LineRestored { line: crate::bus::LineAddress::demo() });
     let kinds = play.kinds();
     let count = |kind: EventKind| kinds.iter().filter(|(known, _)| *known == kind).count();
     for kind in EventKind::ALL {

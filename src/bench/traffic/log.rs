@@ -73,7 +73,27 @@ pub struct FrameRef<'a> {
     pub checksum: bool,
     /// To a microsecond.
     pub took: Duration,
+    /// To a microsecond.
+    pub first_byte: Option<Duration>,
+    pub echo: bool,
+    pub noise: bool,
     pub outcome: Outcome<'a>,
+}
+
+impl FrameRef<'_> {
+    /// The frame as the line told it, to a microsecond.
+    pub fn to_frame(&self) -> Frame {
+        let Self { at, direction, protocol, settings, address, checksum, took, first_byte, echo, noise, .. } = *self;
+        let verdict = match self.outcome {
+            Outcome::Request => Verdict::Request,
+            Outcome::Answer => Verdict::Answer,
+            Outcome::Refusal => Verdict::Refusal,
+            Outcome::Broken(reason) => Verdict::Broken(reason.to_owned()),
+            Outcome::Silent => Verdict::Silent,
+        };
+        let bytes = self.bytes.to_vec();
+        Frame { at, direction, bytes, protocol, settings, address, checksum, took, first_byte, echo, noise, verdict }
+    }
 }
 
 /// What is kept of a frame beside its bytes.
@@ -82,6 +102,8 @@ struct Entry {
     /// Nanoseconds since 1970.
     at: i64,
     took_microseconds: u32,
+    /// [`u32::MAX`] if there was no first byte.
+    first_byte_microseconds: u32,
     chunk: u32,
     start: u32,
     length: u16,
@@ -93,6 +115,8 @@ struct Entry {
     baud_rate: u8,
     data_format: DataFormat,
     checksum: bool,
+    echo: bool,
+    noise: bool,
     outcome: Kind,
 }
 
@@ -149,6 +173,10 @@ impl TrafficLog {
         self.entries.push_back(Entry {
             at: i64::try_from(frame.at.as_nanosecond()).unwrap_or(i64::MAX),
             took_microseconds: u32::try_from(frame.took.as_micros()).unwrap_or(u32::MAX),
+            first_byte_microseconds: frame
+                .first_byte
+                .and_then(|time| u32::try_from(time.as_micros()).ok())
+                .unwrap_or(u32::MAX),
             chunk,
             start: u32::try_from(start).unwrap_or(u32::MAX),
             length: u16::try_from(bytes.len()).unwrap_or(u16::MAX),
@@ -159,6 +187,8 @@ impl TrafficLog {
             baud_rate: baud_rate.and_then(|index| u8::try_from(index).ok()).unwrap_or(u8::MAX),
             data_format: frame.settings.data_format,
             checksum: frame.checksum,
+            echo: frame.echo,
+            noise: frame.noise,
             outcome: match frame.verdict {
                 Verdict::Request => Kind::Request,
                 Verdict::Answer => Kind::Answer,
@@ -209,6 +239,10 @@ impl TrafficLog {
             address: entry.address,
             checksum: entry.checksum,
             took: Duration::from_micros(entry.took_microseconds.into()),
+            first_byte: (entry.first_byte_microseconds != u32::MAX)
+                .then(|| Duration::from_micros(entry.first_byte_microseconds.into())),
+            echo: entry.echo,
+            noise: entry.noise,
             outcome: match entry.outcome {
                 Kind::Request => Outcome::Request,
                 Kind::Answer => Outcome::Answer,

@@ -19,6 +19,9 @@ fn frame(at_ms: i64, bytes: &[u8], protocol: Protocol, took_ms: u64, verdict: Ve
         address: Some(1),
         checksum: false,
         took: Duration::from_millis(took_ms),
+        first_byte: None,
+        echo: false,
+        noise: false,
         verdict,
     }
 }

@@ -190,7 +190,8 @@ impl Worker {
                 self.watches.begin_anew(dialogue.now());
                 line.dialogue = Some(dialogue);
                 line.look_at = Instant::now() + LOOK_EVERY;
-                self.tell(BusEvent::LineRestored);
+                let line = line.address.clone();
+                self.tell(BusEvent::LineRestored { line });
             }
             Err(problem) => {
                 log::debug!("{problem}");

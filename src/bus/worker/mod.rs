@@ -19,7 +19,7 @@ use jiff::Timestamp;
 use super::message::{BusCommand, BusEvent, RequestId};
 use super::repeat::Repeats;
 use super::scan::Scan;
-use super::target::Target;
+use super::target::{Patience, Target, Tuning};
 use super::watch::Watches;
 use crate::module::Catalogue;
 use link::OpenLine;
@@ -35,6 +35,7 @@ pub struct Worker {
     events: SyncSender<BusEvent>,
     wake: Box<dyn Fn() + Send>,
     unannounced: bool,
+    tuning: Tuning,
     ended: bool,
     line: Option<OpenLine>,
     queue: Queue,
@@ -64,6 +65,7 @@ impl Worker {
             events,
             wake,
             unannounced: false,
+            tuning: Tuning::default(),
             ended: false,
             line: None,
             queue: Queue::default(),
@@ -151,6 +153,11 @@ impl Worker {
             Err(RecvTimeoutError::Timeout) => self.look_at_line(),
             Err(RecvTimeoutError::Disconnected) => self.ended = true,
         }
+    }
+
+    /// For a module that is known to be there.
+    fn patience(&self) -> Patience {
+        Patience::of(self.tuning)
     }
 
     fn tell(&mut self, event: BusEvent) {

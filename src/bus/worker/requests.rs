@@ -47,7 +47,7 @@ impl Worker {
             }
             BusCommand::Read { id, target, definition, items } => {
                 let plan = self.plan(target, &definition, &items);
-                self.begin_reading(id, target, plan, Patience::CONVERSATION, false);
+                self.begin_reading(id, target, plan, self.patience(), false);
             }
             BusCommand::Watch { id, target, definition, items, interval } => {
                 let parts = self.parts_without_asking(target, &definition);
@@ -71,6 +71,7 @@ impl Worker {
                 self.note_loss(result.as_ref().err().cloned());
                 self.tell(BusEvent::RawAnswer { id, result });
             }
+            BusCommand::Tune(tuning) => self.tuning = tuning,
             BusCommand::PauseScan(_)
             | BusCommand::CancelScan
             | BusCommand::Unwatch { .. }
@@ -103,9 +104,9 @@ impl Worker {
     }
 
     fn identify(&mut self, target: Target) -> Result<Identified, Failure> {
-        let catalogue = self.catalogue.clone();
+        let (catalogue, patience) = (self.catalogue.clone(), self.patience());
         let result = self.dialogue().and_then(|dialogue| {
-            let mut speaker = dialogue.with(target, Patience::CONVERSATION);
+            let mut speaker = dialogue.with(target, patience);
             identify(&catalogue, target.protocol, target.address, &mut speaker)
         });
         self.note_loss(result.as_ref().err().cloned());
@@ -173,8 +174,9 @@ impl Worker {
                 return Err(WriteError::OtherModule { id: id.to_owned(), expected, found });
             }
         }
+        let patience = self.patience();
         let result = match self.dialogue() {
-            Ok(dialogue) => change(&mut dialogue.with(target, Patience::CONVERSATION)),
+            Ok(dialogue) => change(&mut dialogue.with(target, patience)),
             Err(failure) => Err(WriteError::ReadFirst { id: id.to_owned(), failure }),
         };
         let lost = result.as_ref().err().and_then(WriteError::failure).cloned();
@@ -186,7 +188,7 @@ impl Worker {
     fn plan(&mut self, target: Target, definition: &Arc<Definition>, items: &ItemSet) -> ReadPlan {
         let parts = match items {
             ItemSet::Named(_) => None,
-            _ => self.parts_of(target, definition, Patience::CONVERSATION),
+            _ => self.parts_of(target, definition, self.patience()),
         };
         plan_of(definition, &target, items, &parts.unwrap_or_default())
     }
@@ -216,7 +218,7 @@ impl Worker {
     fn parts_without_asking(&mut self, target: Target, definition: &Definition) -> Option<Vec<String>> {
         let nothing_to_ask = definition.optional.is_empty() || !target.protocol.is_modbus();
         if nothing_to_ask || self.options.contains_key(&target) {
-            self.parts_of(target, definition, Patience::POLL)
+            self.parts_of(target, definition, self.patience())
         } else {
             None
         }
@@ -225,7 +227,7 @@ impl Worker {
     /// Asks a watched module that answers for its optional parts, if they are not known yet.
     fn complete_watch(&mut self, target: Target) {
         if let Some(definition) = self.watches.wants_parts(&target)
-            && let Some(parts) = self.parts_of(target, &definition, Patience::POLL)
+            && let Some(parts) = self.parts_of(target, &definition, self.patience())
         {
             self.watches.has_parts(&target, &parts);
         }
@@ -298,7 +300,8 @@ impl Worker {
             return false;
         }
         let now = self.line_time();
-        let Some(Poll { id, target, plan, patience }) = self.watches.take_due(now) else { return false };
+        let Some(Poll { id, target, plan, was_silent }) = self.watches.take_due(now) else { return false };
+        let patience = if was_silent { self.patience().probing() } else { self.patience() };
         self.begin_reading(id, target, plan, patience, true);
         true
     }

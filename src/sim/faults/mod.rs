@@ -1,9 +1,69 @@
 //! What goes wrong between the modules and the reader: the place to add bit flips, losses and the like.
 
-use super::world::Answer;
+mod kind;
 
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::time::Duration;
+
+use super::world::Answer;
+pub use kind::{Fault, FaultError, FaultKind, Strength};
+
+/// The faults of a simulated line; none at first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Faults {
+    strengths: BTreeMap<FaultKind, Strength>,
+    /// By how much late answers are late, each by another time in this range.
+    pub late_by: RangeInclusive<Duration>,
+}
+
+/// How often each fault has struck since the line began.
+pub type Injected = BTreeMap<FaultKind, u64>;
+
+impl Default for Faults {
+    fn default() -> Self {
+        let late_by = Duration::from_millis(250)..=Duration::from_millis(1_500);
+        Self { strengths: BTreeMap::new(), late_by }
+    }
+}
+
+impl Faults {
+    /// How strong a fault is; `None` if it is off.
+    pub fn get(&self, kind: FaultKind) -> Option<Strength> {
+        self.strengths.get(&kind).copied()
+    }
+
+    pub fn is_on(&self, kind: FaultKind) -> bool {
+        self.strengths.contains_key(&kind)
+    }
+
+    /// # Errors
+    /// If the fault cannot be so strong.
+    pub fn set(&mut self, fault: Fault) -> Result<(), FaultError> {
+        self.strengths.insert(fault.kind, fault.kind.admits(fault.strength)?);
+        Ok(())
+    }
+
+    /// Switches it on as strong as it is by default.
+    pub fn switch_on(&mut self, kind: FaultKind) {
+        self.strengths.insert(kind, kind.default_strength());
+    }
+
+    pub fn switch_off(&mut self, kind: FaultKind) {
+        self.strengths.remove(&kind);
+    }
+
+    /// Those that are on.
+    pub fn iter(&self) -> impl Iterator<Item = Fault> {
+        self.strengths.iter().map(|(&kind, &strength)| Fault { kind, strength })
+    }
+}
+
+/// What a line does to bytes at this moment.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Faults {
+pub(super) struct Present {
+    pub faults: Faults,
+    pub injected: Injected,
     /// The adapter hears itself: every sent byte comes back first.
     pub echo: bool,
     /// The adapter is gone.
@@ -13,7 +73,7 @@ pub(super) struct Faults {
     pub noise_after: Vec<u8>,
 }
 
-impl Faults {
+impl Present {
     /// What the reader gets of the answers to one request.
     pub fn on_the_wire(&self, answers: Vec<Answer>) -> Vec<Answer> {
         collide(answers).into_iter().map(|answer| self.with_noise(answer)).collect()
@@ -48,8 +108,6 @@ fn overlay(bytes: &mut Vec<u8>, other: &[u8]) {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
 
     fn answer(milliseconds: u64, bytes: &[u8]) -> Answer {
@@ -58,13 +116,13 @@ mod tests {
 
     #[test]
     fn answers_at_the_same_time_spoil_each_other() {
-        let heard = Faults::default().on_the_wire(vec![answer(5, b"!01AB"), answer(9, b"!"), answer(5, b"!01B")]);
+        let heard = Present::default().on_the_wire(vec![answer(5, b"!01AB"), answer(9, b"!"), answer(5, b"!01B")]);
         assert_eq!(heard, [answer(5, b"!01@B"), answer(9, b"!")]);
     }
 
     #[test]
     fn noise_surrounds_an_answer() {
-        let faults = Faults { noise_before: vec![0], noise_after: vec![0xFF, 0xFF], ..Faults::default() };
+        let faults = Present { noise_before: vec![0], noise_after: vec![0xFF, 0xFF], ..Present::default() };
         assert_eq!(faults.on_the_wire(vec![answer(5, b"!")]), [answer(5, &[0, b'!', 0xFF, 0xFF])]);
     }
 }
