@@ -1,5 +1,6 @@
 //! A conversation with the modules of one line, in whichever protocol each of them speaks.
 
+use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
@@ -23,16 +24,19 @@ pub struct Memory {
     clock: Option<Clock>,
     echoes: bool,
     counts: Statistics,
+    names: HashMap<Target, Vec<u8>>,
 }
 
 /// An open line.
 pub struct Dialogue {
-    link: Link,
-    runtime: Runtime,
+    pub(super) link: Link,
+    pub(super) runtime: Runtime,
     counts: Statistics,
+    /// What DCON modules answered when they were asked for their name.
+    pub(super) names: HashMap<Target, Vec<u8>>,
 }
 
-enum Link {
+pub(super) enum Link {
     Wire(Box<Wire>),
     Tcp(Box<TcpLink>),
 }
@@ -56,13 +60,14 @@ impl Dialogue {
                 Link::Tcp(Box::new(link.map_err(not_reached)?))
             }
         };
-        Ok(Self { link, runtime, counts: Statistics::default() })
+        Ok(Self { link, runtime, counts: Statistics::default(), names: HashMap::new() })
     }
 
     /// For someone who has a line already.
     pub fn on_wire(wire: Wire) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        Ok(Self { link: Link::Wire(Box::new(wire)), runtime, counts: Statistics::default() })
+        let link = Link::Wire(Box::new(wire));
+        Ok(Self { link, runtime, counts: Statistics::default(), names: HashMap::new() })
     }
 
     /// What is to be remembered when the line is opened anew: its counts, whether it echoes, and its clock, which goes on
@@ -72,11 +77,12 @@ impl Dialogue {
             Link::Wire(wire) => (Some(wire.clock()), wire.echoes()),
             Link::Tcp(_) => (None, false),
         };
-        Memory { clock, echoes, counts: self.counts }
+        Memory { clock, echoes, counts: self.counts, names: self.names }
     }
 
     pub fn remember(&mut self, memory: Memory) {
         self.counts = memory.counts;
+        self.names = memory.names;
         if let Link::Wire(wire) = &mut self.link {
             wire.expect_echoes(memory.echoes);
             if let Some(clock) = memory.clock {
@@ -169,12 +175,18 @@ impl Dialogue {
 
     /// One exchange, no repetition.
     fn once(&mut self, target: &Target, query: &Query, window: Duration) -> Result<Reply, Failure> {
+        self.come_into_step(target, query, window)?;
         match (&mut self.link, target.protocol) {
             (Link::Tcp(link), _) => link.ask(&self.runtime, target.address, query, window),
             (Link::Wire(_), Protocol::ModbusTcp) => {
                 Err(Failure::NotOffered("Modbus TCP needs a network line".to_owned()))
             }
-            (Link::Wire(wire), Protocol::Dcon) => ask_dcon(wire, target.checksum, query, window),
+            (Link::Wire(wire), Protocol::Dcon) => {
+                let (request, expected) = dcon_frame(query, target.checksum)?;
+                let answer = wire.exchange(&request, &expected, window)?;
+                self.note_name(target, query, &answer);
+                dcon_reply(answer, &expected)
+            }
             (Link::Wire(wire), Protocol::ModbusRtu) => {
                 let expected = Expected::Rtu { address: target.address };
                 codec::transact(&self.runtime, target.address, query, |frame| wire.exchange(frame, &expected, window))
@@ -224,15 +236,16 @@ fn dcon_expected(checksum: bool, from: &AnswerFrom) -> Expected {
     }
 }
 
-fn ask_dcon(wire: &mut Wire, checksum: bool, query: &Query, window: Duration) -> Result<Reply, Failure> {
-    let Query::Dcon { text, from, .. } = query else {
-        return Err(Failure::NotOffered("this is not offered over DCON".to_owned()));
-    };
-    let answer = wire.exchange(&dcon::encode(text, checksum), &dcon_expected(checksum, from), window)?;
-    if *from == AnswerFrom::Nobody {
-        return Ok(Reply::Done);
+fn dcon_frame(query: &Query, checksum: bool) -> Result<(Vec<u8>, Expected), Failure> {
+    match query {
+        Query::Dcon { text, from, .. } => Ok((dcon::encode(text, checksum), dcon_expected(checksum, from))),
+        _ => Err(Failure::NotOffered("this is not offered over DCON".to_owned())),
     }
-    match dcon::decode(&answer, checksum) {
+}
+
+fn dcon_reply(answer: Vec<u8>, expected: &Expected) -> Result<Reply, Failure> {
+    let Expected::Dcon { checksum, .. } = expected else { return Ok(Reply::Done) };
+    match dcon::decode(&answer, *checksum) {
         Ok(dcon::Answer::Refused { text }) => Err(Failure::Refused { answer: format!("?{text}") }),
         Ok(dcon::Answer::Ignored) => Err(Failure::Ignored),
         Ok(answer) => Ok(Reply::Text(answer.to_text())),
@@ -254,6 +267,11 @@ impl Speaker<'_> {
     pub fn uncounted(mut self) -> Self {
         self.counted = false;
         self
+    }
+
+    /// Makes certain that the answers so far belong to their questions; see [`Dialogue::verify`].
+    pub fn verify(&mut self) -> Result<(), Failure> {
+        self.dialogue.verify(&self.target, self.patience)
     }
 
     /// Whether to ask once more, after so many repetitions.

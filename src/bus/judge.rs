@@ -43,8 +43,9 @@ impl Expected {
 /// What the bytes are.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdict {
-    /// The whole, verified answer.
-    Answer { bytes: Vec<u8>, echo: bool, noise: bool },
+    /// The whole, verified answer. `noise`: there are other bytes around it; `surplus`: some of them are more than the
+    /// 00 and FF of a line without bias, so they may be an answer to something else.
+    Answer { bytes: Vec<u8>, echo: bool, noise: bool, surplus: bool },
     /// Only an echo or stray bytes so far: the answer has not begun.
     NothingYet,
     /// It has begun; more has to come.
@@ -64,7 +65,7 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
         return Verdict::NothingYet;
     }
     let found = match expected {
-        Expected::Dcon { checksum, from } => find_dcon(rest, *checksum, from),
+        Expected::Dcon { checksum, from } => find_dcon(request, rest, *checksum, from),
         Expected::Rtu { .. } => find_rtu(request, rest),
         Expected::Nothing { .. } => None,
     };
@@ -72,7 +73,9 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
         Some(bytes) => {
             let terminator = usize::from(matches!(expected, Expected::Dcon { .. }));
             let noise = bytes.len().saturating_add(terminator) != trim_line_feed(rest).len();
-            Verdict::Answer { bytes, echo, noise }
+            let meant = |bytes: &[u8]| bytes.iter().filter(|byte| !is_noise(**byte)).count();
+            let surplus = meant(rest) > meant(&bytes).saturating_add(terminator);
+            Verdict::Answer { bytes, echo, noise, surplus }
         }
         None if rest.iter().all(|byte| is_noise(*byte)) => Verdict::NothingYet,
         None => Verdict::More,
@@ -104,7 +107,9 @@ pub fn after_silence(request: &[u8], expected: &Expected, received: &[u8], echoe
 fn after_silence_rtu(request: &[u8], meant: &[u8], echo: bool) -> Verdict {
     let checked = modbus::check_answer(request, meant);
     match (modbus::answer_length(request, meant), checked) {
-        (AnswerLength::UntilSilence, Ok(())) => Verdict::Answer { bytes: meant.to_vec(), echo, noise: false },
+        (AnswerLength::UntilSilence, Ok(())) => {
+            Verdict::Answer { bytes: meant.to_vec(), echo, noise: false, surplus: false }
+        }
         (AnswerLength::Bytes(length), _) if meant.len() < length => {
             Verdict::Failed(Failure::Cut { bytes: meant.to_vec() })
         }
@@ -141,12 +146,16 @@ fn dcon_failure(meant: &[u8], checksum: bool, from: &AnswerFrom) -> Failure {
 /// Some answers equal their request: those to a Modbus write of one value, or to a loopback test. There an echo is taken
 /// off only on a line that was seen to echo before; every module is identified before it is written to, which shows it.
 fn without_echo<'a>(request: &[u8], expected: &Expected, received: &'a [u8], echoes: bool) -> (&'a [u8], bool) {
-    let tells_them_apart = matches!(request.get(1).copied(), Some(0x01..=0x04 | 0x0F | 0x10 | modbus::MODULE_SETTINGS));
-    let answer_equals_request = matches!(expected, Expected::Rtu { .. }) && !tells_them_apart;
     match received.strip_prefix(request) {
-        Some(rest) if echoes || !answer_equals_request => (rest, true),
+        Some(rest) if echoes || shows_echo(request, expected) => (rest, true),
         _ => (received, false),
     }
+}
+
+/// Whether an echo can be told from the answer to this request.
+pub fn shows_echo(request: &[u8], expected: &Expected) -> bool {
+    let differs = matches!(request.get(1).copied(), Some(0x01..=0x04 | 0x0F | 0x10 | modbus::MODULE_SETTINGS));
+    differs || !matches!(expected, Expected::Rtu { .. })
 }
 
 fn find_rtu(request: &[u8], rest: &[u8]) -> Option<Vec<u8>> {
@@ -159,12 +168,12 @@ fn find_rtu(request: &[u8], rest: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// A stray byte may look like a delimiter, so every delimiter is tried.
-fn find_dcon(rest: &[u8], checksum: bool, from: &AnswerFrom) -> Option<Vec<u8>> {
+fn find_dcon(request: &[u8], rest: &[u8], checksum: bool, from: &AnswerFrom) -> Option<Vec<u8>> {
     (0..rest.len()).find_map(|start| {
         let candidate = rest.get(start..)?;
         let range = dcon::find_answer(candidate).filter(|range| range.start == 0)?;
         let frame = candidate.get(range)?;
-        let right = dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from));
+        let right = dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from) && fits(request, &answer));
         right.then(|| frame.to_vec())
     })
 }
@@ -183,8 +192,13 @@ fn is_from(answer: &dcon::Answer, from: &AnswerFrom) -> bool {
     }
 }
 
+/// `#` commands are answered by data behind a `>` (PIR-234 manual 5.3).
+fn fits(request: &[u8], answer: &dcon::Answer) -> bool {
+    !matches!(answer, dcon::Answer::Valid { delimiter: '!', .. }) || request.first() != Some(&b'#')
+}
+
 /// Bytes that a line without bias or termination shows between frames.
-fn is_noise(byte: u8) -> bool {
+pub fn is_noise(byte: u8) -> bool {
     matches!(byte, 0x00 | 0xFF | b'\n')
 }
 
@@ -217,7 +231,10 @@ mod tests {
         let answer = modbus::with_crc(&[1, 3, 2, 0x0B, 0x28]);
         let both = [request.clone(), answer.clone()].concat();
         assert_eq!(so_far(&request, &rtu(), &request, false), Verdict::NothingYet);
-        assert_eq!(so_far(&request, &rtu(), &both, false), Verdict::Answer { bytes: answer, echo: true, noise: false });
+        assert_eq!(
+            so_far(&request, &rtu(), &both, false),
+            Verdict::Answer { bytes: answer, echo: true, noise: false, surplus: false }
+        );
     }
 
     #[test]
@@ -241,7 +258,7 @@ mod tests {
         let noisy = [&[0x00, 0xFF][..], &answer, &[0xFF]].concat();
         assert_eq!(
             so_far(&request, &rtu(), &noisy, false),
-            Verdict::Answer { bytes: answer, echo: false, noise: true }
+            Verdict::Answer { bytes: answer, echo: false, noise: true, surplus: false }
         );
     }
 

@@ -13,6 +13,7 @@ pub mod line;
 mod message;
 mod problem;
 mod repeat;
+mod resync;
 pub mod scan;
 mod schedule;
 mod serial;

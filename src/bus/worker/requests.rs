@@ -26,6 +26,8 @@ pub struct Reading {
     poll: bool,
     /// When something of it was told last.
     told: Instant,
+    /// How often it was begun anew because it was not certain which answer belonged to which question.
+    begun_anew: u8,
 }
 
 /// On a slow line a poll takes seconds; what it has brought is told earlier, so that a recording has it in time.
@@ -107,7 +109,9 @@ impl Worker {
         let (catalogue, patience) = (self.catalogue.clone(), self.patience());
         let result = self.dialogue().and_then(|dialogue| {
             let mut speaker = dialogue.with(target, patience);
-            identify(&catalogue, target.protocol, target.address, &mut speaker)
+            let identified = identify(&catalogue, target.protocol, target.address, &mut speaker)?;
+            dialogue.verify(&target, patience)?;
+            Ok(identified)
         });
         self.note_loss(result.as_ref().err().cloned());
         if let Ok(identified) = &result {
@@ -139,7 +143,13 @@ impl Worker {
     ) -> Result<Value, WriteError> {
         let known = definition.item(item).ok_or_else(|| not_offered(item, target))?;
         let result = self.change(target, definition, item, |speaker| {
-            write_item(definition, target.protocol, target.address, known, value, speaker)
+            let taken = write_item(definition, target.protocol, target.address, known, value, speaker)?;
+            // Who has moved is not there any more to be asked.
+            if moves_to(known, value).is_none() {
+                let unverified = |failure| WriteError::NotVerified { id: item.to_owned(), failure };
+                speaker.verify().map_err(unverified)?;
+            }
+            Ok(taken)
         });
         if let (Ok(_), Some(address)) = (&result, moves_to(known, value)) {
             self.follow(target, Target { address, ..target }, &definition.id);
@@ -240,7 +250,7 @@ impl Worker {
             return self.tell(BusEvent::Read { id, target, at, values });
         }
         let (run, told) = (plan.begin(target.address), self.line_time());
-        self.reading = Some(Reading { id, target, plan, run, patience, poll, told });
+        self.reading = Some(Reading { id, target, plan, run, patience, poll, told, begun_anew: 0 });
     }
 
     /// Asks the next question of the read under way, and tells its result when it was the last.
@@ -255,13 +265,37 @@ impl Worker {
                 false
             }
         };
-        if more {
-            if reading.poll && self.line_time().saturating_duration_since(reading.told) >= TELL_AFTER {
+        let tells = reading.poll && self.line_time().saturating_duration_since(reading.told) >= TELL_AFTER;
+        if more && !tells {
+            self.reading = Some(reading);
+            return;
+        }
+        match (self.verify(&reading), more) {
+            (Err(failure), _) => self.begin_anew(reading, failure),
+            (Ok(()), true) => {
                 self.tell_so_far(&mut reading);
+                self.reading = Some(reading);
             }
+            (Ok(()), false) => self.end_reading(reading, None),
+        }
+    }
+
+    /// Nothing is told before it is certain which answer belongs to which question.
+    fn verify(&mut self, reading: &Reading) -> Result<(), Failure> {
+        match self.dialogue() {
+            Ok(dialogue) if reading.run.is_answered() => dialogue.verify(&reading.target, reading.patience),
+            _ => Ok(()),
+        }
+    }
+
+    fn begin_anew(&mut self, mut reading: Reading, failure: Failure) {
+        let once_more = failure.is_garbage() && reading.begun_anew < reading.patience.after_garbage;
+        if once_more {
+            reading.begun_anew = reading.begun_anew.saturating_add(1);
+            reading.run = reading.plan.begin(reading.target.address);
             self.reading = Some(reading);
         } else {
-            self.end_reading(reading);
+            self.end_reading(reading, Some(failure));
         }
     }
 
@@ -273,10 +307,16 @@ impl Worker {
         }
     }
 
-    fn end_reading(&mut self, reading: Reading) {
+    /// Tells what the reading has brought; with `spoiled` none of it can be used.
+    fn end_reading(&mut self, reading: Reading, spoiled: Option<Failure>) {
         let Reading { id, target, plan, run, poll, .. } = reading;
         let (at, now, answered) = (self.timestamp(), self.line_time(), run.is_answered());
-        let values = plan.finish(run, at);
+        let mut values = plan.finish(run, at);
+        if let Some(failure) = spoiled {
+            values.iter_mut().filter(|answer| answer.result.is_ok()).for_each(|answer| {
+                answer.result = Err(failure.clone());
+            });
+        }
         let lost = values.iter().find_map(|answer| match &answer.result {
             Err(failure @ Failure::LineLost(_)) => Some(failure.clone()),
             _ => None,
@@ -302,8 +342,23 @@ impl Worker {
         let now = self.line_time();
         let Some(Poll { id, target, plan, was_silent }) = self.watches.take_due(now) else { return false };
         let patience = if was_silent { self.patience().probing() } else { self.patience() };
+        if was_silent && let Some(failure) = self.dialogue().and_then(|line| line.greet(&target, patience.window)).err()
+        {
+            self.stayed_silent(id, target, plan, failure);
+            return true;
+        }
         self.begin_reading(id, target, plan, patience, true);
         true
+    }
+
+    fn stayed_silent(&mut self, id: RequestId, target: Target, plan: ReadPlan, failure: Failure) {
+        let (at, now) = (self.timestamp(), self.line_time());
+        let values = plan.all_failed(&failure, at);
+        match failure {
+            failure @ Failure::LineLost(_) => self.note_loss(Some(failure)),
+            _ => self.watches.polled(id, &target, plan, false, now),
+        }
+        self.tell(BusEvent::Read { id, target, at, values });
     }
 
     pub(super) fn unwatch(&mut self, target: &Target) {

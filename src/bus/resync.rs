@@ -1,0 +1,204 @@
+//! Makes certain which answer belongs to which question, where neither protocol numbers them.
+//!
+//! A module answers in the order in which it was asked. So after an answer that did not come, the module is first asked
+//! something whose answer cannot be mistaken: over Modbus RTU by another function, over DCON its name, which is known. And
+//! where an answer could have been a second one to the question before, such a question shows afterwards whether all were
+//! in step.
+
+use std::time::Duration;
+
+use super::codec;
+use super::dialogue::{Dialogue, Link};
+use super::judge::Expected;
+use super::target::{Patience, Target};
+use super::transaction::{Doubts, Shape, Wire};
+use crate::protocol::{AnswerFrom, Failure, Protocol, Query, dcon};
+
+/// Functions that read something harmless of any module: coils, holding registers, input registers.
+const READS: [Query; 3] = [
+    Query::ReadCoils { first: 0, count: 1 },
+    Query::ReadHoldingRegisters { first: 0, count: 1 },
+    Query::ReadInputRegisters { first: 0, count: 1 },
+];
+const INIT_ADDRESS: u8 = 0;
+/// Names remembered; more modules are not on one line.
+const MOST_NAMES: usize = 1024;
+
+impl Dialogue {
+    /// Before `query`: lets the modules whose late answers could be taken for its answer show that none will come.
+    ///
+    /// # Errors
+    /// If the module that is to be asked does not.
+    pub(super) fn come_into_step(&mut self, target: &Target, query: &Query, window: Duration) -> Result<(), Failure> {
+        let Some(shape) = Shape::of_query(target, query) else { return Ok(()) };
+        let owed = match &self.link {
+            Link::Wire(wire) => wire.owed(shape),
+            Link::Tcp(_) => return Ok(()),
+        };
+        match target.protocol {
+            Protocol::ModbusRtu if !owed.is_empty() => self.ask_otherwise(target, &owed, window, Alone::Waived),
+            Protocol::Dcon => {
+                let mut asked: Vec<u8> = owed.into_iter().filter_map(Shape::address).collect();
+                asked.dedup();
+                for address in asked {
+                    let outcome = self.ask_for_known_name(&Target { address, ..*target }, window, Alone::Waived);
+                    // Another module that stays silent is waited for instead.
+                    if address == target.address {
+                        outcome?;
+                    }
+                }
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// After questions to `target`: makes certain that their answers were not each one question late. On failure the
+    /// answers since the last time must not be used.
+    ///
+    /// # Errors
+    /// If they may have been, or if it cannot be told.
+    pub fn verify(&mut self, target: &Target, patience: Patience) -> Result<(), Failure> {
+        let mut repeated = 0u8;
+        loop {
+            let outcome = self.verify_once(target, patience.window);
+            // After silence alone nothing has come that could have been an answer too late.
+            if outcome != Err(Failure::Silent) || repeated >= patience.after_silence {
+                self.forget_doubts(target);
+                return outcome;
+            }
+            repeated = repeated.saturating_add(1);
+        }
+    }
+
+    fn verify_once(&mut self, target: &Target, window: Duration) -> Result<(), Failure> {
+        let Link::Wire(wire) = &mut self.link else { return Ok(()) };
+        let Some(shape) = Shape::of_query(target, &name_query(target.address)) else { return Ok(()) };
+        match (wire.doubts(shape), target.protocol) {
+            (Doubts::Spoiled, _) => Err(out_of_step(Vec::new())),
+            (Doubts::Open(shapes), _) if shapes.is_empty() => Ok(()),
+            (Doubts::Open(shapes), Protocol::ModbusRtu) => self.ask_otherwise(target, &shapes, window, Alone::Required),
+            (Doubts::Open(_), _) => self.ask_for_known_name(target, window, Alone::Required),
+        }
+    }
+
+    /// Before a module that was silent is asked anything: whether it is there, by a question whose answer cannot be taken
+    /// for one of another module.
+    ///
+    /// # Errors
+    /// If it is not.
+    pub fn greet(&mut self, target: &Target, window: Duration) -> Result<(), Failure> {
+        match target.protocol {
+            Protocol::Dcon => self.ask_for_known_name(target, window, Alone::Waived),
+            _ => Ok(()),
+        }
+    }
+
+    /// Asks by a function that none of `shapes` has.
+    fn ask_otherwise(
+        &mut self,
+        target: &Target,
+        shapes: &[Shape],
+        window: Duration,
+        alone: Alone,
+    ) -> Result<(), Failure> {
+        let Link::Wire(wire) = &mut self.link else { return Ok(()) };
+        let unlike = |query: &&Query| Shape::of_query(target, query).is_some_and(|shape| !shapes.contains(&shape));
+        let Some(query) = READS.iter().find(unlike) else { return Ok(()) };
+        let expected = Expected::Rtu { address: target.address };
+        let outcome =
+            codec::transact(&self.runtime, target.address, query, |frame| alone.probe(wire, frame, &expected, window));
+        match outcome {
+            Err(failure) if !failure.is_refusal() => Err(failure),
+            _ => {
+                self.clear_up(target, query);
+                Ok(())
+            }
+        }
+    }
+
+    /// Asks a DCON module for its name. Without one that is known there is nothing to compare, and nothing is asked.
+    fn ask_for_known_name(&mut self, target: &Target, window: Duration, alone: Alone) -> Result<(), Failure> {
+        let Some(known) = self.names.get(target).cloned() else { return Ok(()) };
+        let Link::Wire(wire) = &mut self.link else { return Ok(()) };
+        let request = dcon::encode(&name_text(target.address), target.checksum);
+        let from = AnswerFrom::Addresses(vec![target.address]);
+        let expected = Expected::Dcon { checksum: target.checksum, from };
+        let answer = alone.probe(wire, &request, &expected, window)?;
+        if answer != known {
+            // Either the answers are out of step, or another module is there now; asked anew, it tells its name again.
+            self.names.remove(target);
+            let reason = "the answer belongs to another question, or another module answers here now".to_owned();
+            return Err(Failure::Garbled { reason, bytes: answer });
+        }
+        self.clear_up(target, &name_query(target.address));
+        Ok(())
+    }
+
+    fn forget_doubts(&mut self, target: &Target) {
+        if let Link::Wire(wire) = &mut self.link
+            && let Some(shape) = Shape::of_query(target, &name_query(target.address))
+        {
+            wire.forget_doubts(shape);
+        }
+    }
+
+    fn clear_up(&mut self, target: &Target, query: &Query) {
+        if let Link::Wire(wire) = &mut self.link
+            && let Some(shape) = Shape::of_query(target, query)
+        {
+            wire.clear_up(shape);
+        }
+    }
+
+    /// Remembers what a DCON module calls itself.
+    pub(super) fn note_name(&mut self, target: &Target, query: &Query, answer: &[u8]) {
+        let asked_for_name = matches!(query, Query::Dcon { text, .. } if *text == name_text(target.address));
+        let is_name = dcon::decode(answer, target.checksum)
+            .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if has_other_than_hex_digits(&text)));
+        // In INIT mode the answer may carry another address, and whoever is there is not for long.
+        if asked_for_name && is_name && target.address != INIT_ADDRESS {
+            if self.names.len() >= MOST_NAMES {
+                self.names.clear();
+            }
+            self.names.insert(*target, answer.to_vec());
+        }
+    }
+}
+
+/// Whether other bytes may come with the answer to a probe. In the right order they come before it, as a late answer
+/// does, and prove nothing; but where all answers had come already, one more shows that they were out of step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Alone {
+    Required,
+    Waived,
+}
+
+impl Alone {
+    fn probe(self, wire: &mut Wire, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
+        let (bytes, surplus) = wire.probe(request, expected, window)?;
+        if surplus && self == Self::Required {
+            return Err(out_of_step(bytes));
+        }
+        Ok(bytes)
+    }
+}
+
+fn out_of_step(bytes: Vec<u8>) -> Failure {
+    let reason = "an answer too many came, so it is not certain which question each belongs to".to_owned();
+    Failure::Garbled { reason, bytes }
+}
+
+/// `$AAM` (PIR-234 manual 5.20, PIR-130 manual 2.6).
+fn name_text(address: u8) -> String {
+    format!("${address:02X}M")
+}
+
+fn name_query(address: u8) -> Query {
+    Query::Dcon { text: name_text(address), from: AnswerFrom::Addresses(vec![address]), write: false }
+}
+
+/// Most answers are digits and signs; a name that looks like one of those proves nothing.
+fn has_other_than_hex_digits(text: &str) -> bool {
+    text.chars().any(|c| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.'))
+}

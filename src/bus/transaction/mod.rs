@@ -1,0 +1,475 @@
+//! One exchange on a half-duplex line: request out, verified answer back, and the line left quiet.
+//!
+//! The contract: an answer is returned only if it is whole, carries the right checksum or CRC and comes from the module
+//! that was asked. Whatever else arrives is dropped, and after any failure with bytes on the line nothing is sent until
+//! the line has been quiet, so that a late answer cannot be taken for the next one.
+
+mod debts;
+mod shape;
+
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+
+use super::judge::{self, Expected, Verdict};
+use super::line::{Line, LineLost};
+use super::tap::{self, Clock, Exchange, Frame, Tap};
+use crate::protocol::{Failure, LineSettings};
+use debts::Debts;
+use shape::want_equally_much;
+
+pub use shape::Shape;
+
+/// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
+pub const SETTLE: Duration = Duration::from_millis(20);
+/// Allowed between two bytes of one answer beyond the characters' own time; covers the latency of USB adapters.
+const BYTE_GAP: Duration = Duration::from_millis(30);
+/// Quiet that is waited for while answers come more than once; longer than modules differ in their response delays
+/// (0 to 30 ms, PIR-234 manual 5.24) and adapters in their latency.
+const WARY_QUIET: Duration = Duration::from_millis(50);
+/// How long a line is distrusted after an answer too many.
+const WARY_FOR: Duration = Duration::from_secs(10);
+/// Remembered of answers out of step.
+const MOST_SPOILED: usize = 64;
+/// Fewer bytes are not a spoiled answer: the answer itself may still come.
+const LEAST_ANSWER: usize = 4;
+/// More than any answer of any module; a line that babbles on is not listened to for ever.
+const MOST_BYTES: usize = 1024;
+/// Characters of the longest Modbus frame.
+const LONGEST_ANSWER: usize = 256;
+/// A babbling line is given up on after so long.
+const MOST_SETTLING: Duration = Duration::from_millis(300);
+
+impl From<LineLost> for Failure {
+    fn from(lost: LineLost) -> Self {
+        Self::LineLost(lost.reason)
+    }
+}
+
+/// A line, and what has to be remembered of it between two exchanges.
+pub struct Wire {
+    line: Box<dyn Line>,
+    settings: LineSettings,
+    clock: Clock,
+    tap: Tap,
+    /// When the last byte was on the line, as far as known.
+    last_activity: Instant,
+    /// Something unexpected was on the line: let it settle before the next request.
+    disturbed: bool,
+    /// The adapter sends back what is sent.
+    echoes: bool,
+    /// Answers that may still come.
+    debts: Debts,
+    /// The last question that was answered.
+    answered: Option<(Shape, Vec<u8>)>,
+    /// Questions whose answer could be a second one to the question before, and which nothing has cleared up yet.
+    doubtful: Vec<Shape>,
+    /// Questions of which it has shown that their answers were out of step.
+    spoiled: Vec<Shape>,
+    /// Until when answers that come twice are expected.
+    wary_until: Option<Instant>,
+    /// From the end of the last answered request to the first byte of its answer.
+    answer_time: Option<Duration>,
+    /// When the last exchange was over; `None` if the line failed before.
+    ended: Option<Instant>,
+}
+
+impl Wire {
+    pub fn new(mut line: Box<dyn Line>, settings: LineSettings, tap: Tap) -> Result<Self, LineLost> {
+        line.configure(settings)?;
+        let now = line.now();
+        let clock = Clock::starting(now, line.wall());
+        Ok(Self {
+            line,
+            settings,
+            clock,
+            tap,
+            last_activity: now,
+            disturbed: false,
+            echoes: false,
+            debts: Debts::default(),
+            answered: None,
+            doubtful: Vec::new(),
+            spoiled: Vec::new(),
+            wary_until: None,
+            answer_time: None,
+            ended: None,
+        })
+    }
+
+    pub fn settings(&self) -> LineSettings {
+        self.settings
+    }
+
+    /// Whether the adapter was seen to echo.
+    pub fn echoes(&self) -> bool {
+        self.echoes
+    }
+
+    /// What the line was known for before it was opened anew.
+    pub fn expect_echoes(&mut self, echoes: bool) {
+        self.echoes = echoes;
+    }
+
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    pub fn keep_clock(&mut self, clock: Clock) {
+        self.clock = clock;
+    }
+
+    /// Stamps nothing earlier than `floor` from now on.
+    pub fn not_before(&mut self, floor: Timestamp) {
+        self.clock.not_before(floor, self.line.now());
+    }
+
+    /// Whether the port is still there.
+    pub fn look(&mut self) -> Result<(), LineLost> {
+        self.line.look()
+    }
+
+    pub fn answer_time(&self) -> Option<Duration> {
+        self.answer_time
+    }
+
+    pub fn now(&self) -> Instant {
+        self.line.now()
+    }
+
+    /// The time of now in UTC, by the line's clock.
+    pub fn timestamp(&self) -> Timestamp {
+        self.clock.stamp(self.line.now())
+    }
+
+    /// When the last byte of the last answer had arrived, or when the wait for it was given up.
+    pub fn ended_at(&self) -> Timestamp {
+        self.clock.stamp(self.ended.unwrap_or_else(|| self.line.now()))
+    }
+
+    /// Changes speed and format in place. True if they were others before.
+    pub fn configure(&mut self, settings: LineSettings) -> Result<bool, LineLost> {
+        if settings == self.settings {
+            return Ok(false);
+        }
+        self.line.configure(settings)?;
+        self.settings = settings;
+        self.debts.clear();
+        self.answered = None;
+        // Adapters lose what follows a change of speed too closely.
+        let settled = self.line.now() + SETTLE;
+        self.line.wait_until(settled);
+        self.line.purge()?;
+        Ok(true)
+    }
+
+    /// Questions whose answers may still come and could be taken for that to `shape`.
+    pub fn owed(&self, shape: Shape) -> Vec<Shape> {
+        self.debts.shapes(shape, self.line.now())
+    }
+
+    /// Whoever was asked with `shape` has shown that nothing of what it was asked before is still to come.
+    pub fn clear_up(&mut self, shape: Shape) {
+        self.debts.paid_up_to(shape);
+        self.doubtful.retain(|doubtful| !doubtful.asks_whom(shape));
+    }
+
+    /// What is not certain of the answers of the module that is asked with `shape`.
+    pub fn doubts(&self, shape: Shape) -> Doubts {
+        if self.spoiled.iter().any(|spoiled| spoiled.asks_whom(shape)) {
+            return Doubts::Spoiled;
+        }
+        Doubts::Open(self.doubtful.iter().copied().filter(|doubtful| doubtful.asks_whom(shape)).collect())
+    }
+
+    /// Nothing is made of the answers that could belong to other questions.
+    pub fn forget_doubts(&mut self, shape: Shape) {
+        self.doubtful.retain(|doubtful| !doubtful.asks_whom(shape));
+        self.spoiled.retain(|spoiled| !spoiled.asks_whom(shape));
+    }
+
+    /// Sends `request` and returns the verified answer, without echo and noise. `window` runs from the request's last
+    /// bit to the answer's first byte. Waits until no answer to an earlier question can be taken for this one's.
+    pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
+        let shape = Shape::of_request(request, expected);
+        if let Some(until) = shape.and_then(|shape| self.debts.until(shape, request, self.line.now())) {
+            self.listen_until(until, expected)?;
+        }
+        let Spoken { outcome, sent, surplus, .. } = self.speak(request, expected, window);
+        let Some(shape) = shape else { return outcome };
+        match &outcome {
+            Ok(_) => self.note_answer(shape, request, surplus),
+            Err(failure) if leaves_answer_open(failure) => self.debts.note(shape, request, expected, sent),
+            Err(_) => {}
+        }
+        outcome
+    }
+
+    /// As [`Self::exchange`], but for a question whose answer the caller can tell from all others: it is sent at once. True
+    /// if other bytes came with it that may be an answer too.
+    pub fn probe(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<(Vec<u8>, bool), Failure> {
+        let Spoken { outcome, surplus, .. } = self.speak(request, expected, window);
+        Ok((outcome?, surplus))
+    }
+
+    /// An answer that could as well be a second one to the question before is remembered as doubtful; one that cannot be
+    /// mistaken and comes alone shows that those before it were in step.
+    fn note_answer(&mut self, shape: Shape, request: &[u8], surplus: bool) {
+        self.debts.paid_up_to(shape);
+        let (open, decided): (Vec<_>, Vec<_>) = std::mem::take(&mut self.doubtful)
+            .into_iter()
+            .partition(|doubtful| !doubtful.asks_whom(shape) || doubtful.could_answer(shape));
+        self.doubtful = open;
+        if surplus {
+            self.spoiled.extend(decided);
+            self.spoiled.truncate(MOST_SPOILED);
+        }
+        let doubtful = self.answered.as_ref().is_some_and(|(before, asked)| {
+            before.could_answer(shape) && asked != request && want_equally_much(asked, request)
+        });
+        if doubtful && !self.doubtful.contains(&shape) {
+            self.doubtful.push(shape);
+        }
+        self.answered = Some((shape, request.to_vec()));
+    }
+
+    /// One request and what came back on it.
+    fn speak(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Spoken {
+        let mut spoken = Spoken {
+            outcome: Err(Failure::Silent),
+            sent: self.line.now(),
+            first_byte: None,
+            noise: false,
+            surplus: false,
+        };
+        if let Err(lost) = self.speak_into(&mut spoken, request, expected, window) {
+            spoken.outcome = Err(lost.into());
+        }
+        spoken
+    }
+
+    fn speak_into(
+        &mut self,
+        spoken: &mut Spoken,
+        request: &[u8],
+        expected: &Expected,
+        window: Duration,
+    ) -> Result<(), LineLost> {
+        self.ended = None;
+        self.clock.follow(self.line.now(), self.line.wall());
+        self.become_quiet(expected)?;
+        self.line.purge()?;
+        let started = self.line.now();
+        self.line.send(request)?;
+        let (protocol, checksum) = expected.language();
+        let address = Shape::of_request(request, expected).and_then(Shape::address);
+        let exchange = Exchange { protocol, settings: self.settings, address, checksum };
+        let wire_time = self.settings.wire_time(request.len());
+        (self.tap)(exchange.request(self.clock.stamp(started), request.to_vec(), wire_time));
+        spoken.sent = started + wire_time;
+        self.last_activity = spoken.sent;
+        if matches!(expected, Expected::Nothing { .. }) {
+            self.line.wait_until(spoken.sent);
+            self.ended = Some(spoken.sent);
+            spoken.outcome = Ok(Vec::new());
+            return Ok(());
+        }
+        let mut received = Vec::new();
+        spoken.outcome = self.listen(request, expected, window, spoken, &mut received);
+        self.tell_answer(exchange, request, received, spoken);
+        self.disturbed |= spoken.noise || spoken.outcome.as_ref().is_err_and(|failure| *failure != Failure::Silent);
+        if spoken.surplus {
+            self.become_wary();
+        }
+        Ok(())
+    }
+
+    fn tell_answer(&mut self, exchange: Exchange, request: &[u8], received: Vec<u8>, spoken: &Spoken) {
+        let verdict = exchange.verdict(spoken.outcome.as_deref());
+        let nothing_came = verdict == tap::Verdict::Silent || received.is_empty();
+        let ended = if nothing_came { self.line.now() } else { self.last_activity };
+        self.ended = Some(ended);
+        let took = ended.saturating_duration_since(spoken.sent);
+        let echo = self.echoes && received.starts_with(request);
+        let frame = exchange.answer(self.clock.stamp(ended), received, took, verdict);
+        (self.tap)(Frame { first_byte: spoken.first_byte, echo, noise: spoken.noise, ..frame });
+    }
+
+    fn listen(
+        &mut self,
+        request: &[u8],
+        expected: &Expected,
+        window: Duration,
+        spoken: &mut Spoken,
+        received: &mut Vec<u8>,
+    ) -> Result<Vec<u8>, Failure> {
+        let first_deadline = spoken.sent + window;
+        let give_up = first_deadline + self.settings.wire_time(LONGEST_ANSWER) + MOST_SETTLING;
+        let mut deadline = first_deadline;
+        let mut buffer = [0; 256];
+        loop {
+            let count = self.line.receive(&mut buffer, deadline)?;
+            let verdict = if count == 0 {
+                judge::after_silence(request, expected, received, self.echoes)
+            } else {
+                self.last_activity = self.line.now();
+                received.extend(buffer.iter().take(count));
+                judge::so_far(request, expected, received, self.echoes)
+            };
+            let since_sent = self.last_activity.saturating_duration_since(spoken.sent);
+            match verdict {
+                Verdict::Answer { bytes, echo, noise, surplus } => {
+                    self.learn_echo(request, expected, echo);
+                    (spoken.noise, spoken.surplus) = (noise, surplus);
+                    self.answer_time = Some(*spoken.first_byte.get_or_insert(since_sent));
+                    return Ok(bytes);
+                }
+                Verdict::Failed(failure) => {
+                    spoken.noise = failure.is_garbage() && spoken.first_byte.is_none();
+                    return Err(failure);
+                }
+                Verdict::NothingYet => deadline = first_deadline,
+                Verdict::More => {
+                    spoken.first_byte.get_or_insert(since_sent);
+                    // Bytes of others may come first, so the window stays open.
+                    let next_byte = self.last_activity + BYTE_GAP + self.settings.wire_time(2);
+                    deadline = next_byte.max(first_deadline);
+                }
+            }
+            if received.len() > MOST_BYTES || self.last_activity > give_up {
+                let reason = "the line does not stop sending".to_owned();
+                return Err(Failure::Garbled { reason, bytes: received.iter().copied().take(64).collect() });
+            }
+        }
+    }
+
+    /// An adapter echoes all or nothing; an answer that may look like its request tells neither.
+    fn learn_echo(&mut self, request: &[u8], expected: &Expected, echo: bool) {
+        if echo || judge::shows_echo(request, expected) {
+            self.echoes = echo;
+        }
+    }
+
+    fn become_wary(&mut self) {
+        self.wary_until = self.line.now().checked_add(WARY_FOR);
+    }
+
+    /// Waits until a request may be sent without running into anything.
+    fn become_quiet(&mut self, expected: &Expected) -> Result<(), LineLost> {
+        let wary = self.wary_until.is_some_and(|until| self.line.now() < until);
+        if !self.disturbed {
+            let silence = match expected {
+                _ if wary => WARY_QUIET,
+                Expected::Rtu { .. } => self.settings.frame_silence(),
+                _ => Duration::ZERO,
+            };
+            self.line.wait_until(self.last_activity + silence);
+            self.disturbed = self.drop_received(expected)?;
+        }
+        if self.disturbed {
+            self.settle(expected, if wary { WARY_QUIET } else { SETTLE })?;
+        }
+        Ok(())
+    }
+
+    /// Drops what has arrived although nobody was asked. False if there was nothing.
+    fn drop_received(&mut self, expected: &Expected) -> Result<bool, LineLost> {
+        let mut buffer = [0; 256];
+        let count = self.line.receive(&mut buffer, self.line.now())?;
+        if count == 0 {
+            return Ok(false);
+        }
+        self.last_activity = self.line.now();
+        self.note_unasked(buffer.get(..count).unwrap_or_default().to_vec(), expected);
+        Ok(true)
+    }
+
+    /// Listens to nobody in particular until `until`, which late answers may use.
+    fn listen_until(&mut self, until: Instant, expected: &Expected) -> Result<(), LineLost> {
+        let mut dropped = Vec::new();
+        let mut buffer = [0; 256];
+        while dropped.len() < MOST_BYTES {
+            let count = self.line.receive(&mut buffer, until)?;
+            if count == 0 {
+                break;
+            }
+            self.last_activity = self.line.now();
+            dropped.extend(buffer.iter().take(count));
+        }
+        self.line.wait_until(until);
+        self.note_unasked(dropped, expected);
+        Ok(())
+    }
+
+    /// Bytes that belong to no request: perhaps an answer that was late, perhaps one too many.
+    fn note_unasked(&mut self, mut bytes: Vec<u8>, expected: &Expected) {
+        if bytes.is_empty() {
+            return;
+        }
+        self.debts.seen(&bytes);
+        if bytes.iter().any(|byte| !judge::is_noise(*byte)) {
+            self.become_wary();
+        }
+        bytes.truncate(MOST_BYTES);
+        let (protocol, checksum) = expected.language();
+        let exchange = Exchange { protocol, settings: self.settings, address: None, checksum };
+        (self.tap)(exchange.unasked(self.clock.stamp(self.last_activity), bytes));
+    }
+
+    /// Drops everything until the line has been quiet for `quiet` or 3.5 characters.
+    fn settle(&mut self, expected: &Expected, quiet: Duration) -> Result<(), LineLost> {
+        let quiet = quiet.max(self.settings.frame_silence());
+        let give_up = self.line.now() + MOST_SETTLING;
+        let mut buffer = [0; 256];
+        let mut dropped = Vec::new();
+        loop {
+            let deadline = self.last_activity + quiet;
+            let count = self.line.receive(&mut buffer, deadline)?;
+            if count == 0 {
+                break;
+            }
+            self.last_activity = self.line.now();
+            dropped.extend(buffer.iter().take(count));
+            if self.last_activity > give_up {
+                break;
+            }
+        }
+        self.note_unasked(dropped, expected);
+        self.disturbed = false;
+        Ok(())
+    }
+}
+
+/// Whether the answers of a module belong to the questions on which they were taken.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Doubts {
+    /// These could be out of step; none if the list is empty.
+    Open(Vec<Shape>),
+    /// Some were.
+    Spoiled,
+}
+
+/// One request, and what became of it.
+struct Spoken {
+    outcome: Result<Vec<u8>, Failure>,
+    /// When its last bit had left.
+    sent: Instant,
+    /// From then to the first byte that may belong to an answer.
+    first_byte: Option<Duration>,
+    noise: bool,
+    surplus: bool,
+}
+
+/// Whether the answer may still come: nothing of it has.
+fn leaves_answer_open(failure: &Failure) -> bool {
+    match failure {
+        Failure::Silent => true,
+        Failure::Cut { bytes } | Failure::Garbled { bytes, .. } | Failure::Collision { bytes } => {
+            bytes.iter().filter(|byte| !judge::is_noise(**byte)).count() < LEAST_ANSWER
+        }
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,122 @@
+//! What tells the answers of one question from those of another.
+
+use crate::bus::judge::Expected;
+use crate::bus::target::Target;
+use crate::protocol::{AnswerFrom, Protocol, Query};
+
+/// A question as seen from its answer: who is asked, and what the answer carries that shows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    Rtu {
+        address: u8,
+        function: u8,
+    },
+    Dcon {
+        /// `None` if the request does not tell whom it asks.
+        address: Option<u8>,
+        carries: Carries,
+        checksum: bool,
+    },
+}
+
+/// How a DCON answer shows whose it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carries {
+    /// By the address that it begins with.
+    Address,
+    /// By nothing: it is data behind a `>`, as every answer to a `#` command.
+    Data,
+    /// Not known.
+    Anything,
+}
+
+impl Shape {
+    /// `None` if nobody answers.
+    pub fn of_request(request: &[u8], expected: &Expected) -> Option<Self> {
+        match expected {
+            Expected::Nothing { .. } => None,
+            Expected::Rtu { address } => {
+                Some(Self::Rtu { address: *address, function: request.get(1).copied().unwrap_or_default() })
+            }
+            Expected::Dcon { from, checksum } => Some(Self::dcon(request, from, *checksum)),
+        }
+    }
+
+    /// The shape that `query` to `target` will have on a serial line; `None` if nobody answers.
+    pub fn of_query(target: &Target, query: &Query) -> Option<Self> {
+        let function = match query {
+            Query::Dcon { from: AnswerFrom::Nobody, .. } => return None,
+            Query::Dcon { text, from, .. } => return Some(Self::dcon(text.as_bytes(), from, target.checksum)),
+            Query::ReadCoils { .. } => 0x01,
+            Query::ReadHoldingRegisters { .. } => 0x03,
+            Query::ReadInputRegisters { .. } => 0x04,
+            Query::WriteCoil { .. } => 0x05,
+            Query::WriteRegister { .. } => 0x06,
+            Query::WriteCoils { .. } => 0x0F,
+            Query::WriteRegisters { .. } => 0x10,
+            Query::Custom { function, .. } => *function,
+        };
+        (target.protocol == Protocol::ModbusRtu).then_some(Self::Rtu { address: target.address, function })
+    }
+
+    fn dcon(request: &[u8], from: &AnswerFrom, checksum: bool) -> Self {
+        let carries = match from {
+            AnswerFrom::Addresses(_) => Carries::Address,
+            _ if request.first() == Some(&b'#') => Carries::Data,
+            _ => Carries::Anything,
+        };
+        Self::Dcon { address: spoken_to(request), carries, checksum }
+    }
+
+    /// The module that is asked.
+    pub fn address(self) -> Option<u8> {
+        match self {
+            Self::Rtu { address, .. } => Some(address),
+            Self::Dcon { address, .. } => address,
+        }
+    }
+
+    /// Whether the same module is asked in the same protocol.
+    pub fn asks_whom(self, other: Self) -> bool {
+        let same_protocol = matches!(self, Self::Rtu { .. }) == matches!(other, Self::Rtu { .. });
+        same_protocol && self.address().is_some() && self.address() == other.address()
+    }
+
+    /// Whether an answer to this question could be taken for one to `other`.
+    pub fn could_answer(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Rtu { .. }, Self::Rtu { .. }) => self == other,
+            (
+                Self::Dcon { address, carries, checksum },
+                Self::Dcon { address: asked, carries: awaited, checksum: with_checksum },
+            ) => {
+                let fits = match (carries, awaited) {
+                    (_, Carries::Anything) | (Carries::Anything | Carries::Data, Carries::Data) => true,
+                    (Carries::Address, Carries::Data) | (Carries::Data, Carries::Address) => false,
+                    (Carries::Address | Carries::Anything, Carries::Address) => {
+                        address == asked || address.is_none() || asked.is_none()
+                    }
+                };
+                checksum == with_checksum && fits
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Whether this DCON command asks for the module's name, which never changes: an answer that comes late is as good.
+pub fn asks_for_name(request: &[u8]) -> bool {
+    request.first() == Some(&b'$') && request.get(3) == Some(&b'M')
+}
+
+/// The address that stands in a DCON command.
+fn spoken_to(request: &[u8]) -> Option<u8> {
+    let digits = request.get(1..3).and_then(|digits| std::str::from_utf8(digits).ok())?;
+    u8::from_str_radix(digits, 16).ok()
+}
+
+/// Whether the answers to two requests of the same shape have the same length: functions 01 to 04 say how much they want.
+pub fn want_equally_much(request: &[u8], other: &[u8]) -> bool {
+    let reads = matches!(request.get(1), Some(0x01..=0x04));
+    !reads || request.get(4..6) == other.get(4..6)
+}

@@ -1,0 +1,179 @@
+//! One exchange after another on a line that plays what the test wrote down.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
+
+use super::*;
+use crate::protocol::{AnswerFrom, Protocol, hex, modbus};
+
+const WINDOW: Duration = Duration::from_millis(60);
+const REQUEST: &[u8] = &[1, 3, 0, 0, 0, 1];
+
+/// A line that plays what the test wrote down: after each request, bytes at times counted from its sending.
+struct Scripted {
+    now: Instant,
+    answers: VecDeque<Vec<(u64, Vec<u8>)>>,
+    incoming: VecDeque<(Instant, Vec<u8>)>,
+    sent: Arc<Mutex<Vec<Instant>>>,
+}
+
+impl Line for Scripted {
+    fn configure(&mut self, _: LineSettings) -> Result<(), LineLost> {
+        Ok(())
+    }
+
+    fn send(&mut self, _: &[u8]) -> Result<(), LineLost> {
+        self.sent.lock().unwrap().push(self.now);
+        let answers = self.answers.pop_front().expect("no further request was expected");
+        let at = |ms| self.now + Duration::from_millis(ms);
+        self.incoming.extend(answers.into_iter().map(|(ms, bytes)| (at(ms), bytes)));
+        self.incoming.make_contiguous().sort();
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LineLost> {
+        match self.incoming.front() {
+            Some((at, _)) if *at <= deadline => {
+                let (at, bytes) = self.incoming.pop_front().unwrap();
+                self.now = self.now.max(at);
+                buffer[..bytes.len()].copy_from_slice(&bytes);
+                Ok(bytes.len())
+            }
+            _ => {
+                self.now = self.now.max(deadline);
+                Ok(0)
+            }
+        }
+    }
+
+    fn purge(&mut self) -> Result<(), LineLost> {
+        let now = self.now;
+        self.incoming.retain(|(at, _)| *at > now);
+        Ok(())
+    }
+
+    fn look(&mut self) -> Result<(), LineLost> {
+        Ok(())
+    }
+
+    fn now(&self) -> Instant {
+        self.now
+    }
+
+    fn wait_until(&mut self, instant: Instant) {
+        self.now = self.now.max(instant);
+    }
+}
+
+fn wire(answers: &[&[(u64, &[u8])]]) -> (Wire, Arc<Mutex<Vec<Instant>>>) {
+    let sent = Arc::<Mutex<Vec<Instant>>>::default();
+    let script = answers.iter().map(|answer| answer.iter().map(|(ms, bytes)| (*ms, bytes.to_vec())).collect());
+    let line =
+        Scripted { now: Instant::now(), answers: script.collect(), incoming: VecDeque::new(), sent: sent.clone() };
+    (Wire::new(Box::new(line), LineSettings::default(), Box::new(|_| {})).unwrap(), sent)
+}
+
+fn ask(wire: &mut Wire) -> Result<Vec<u8>, Failure> {
+    wire.exchange(&modbus::with_crc(REQUEST), &Expected::Rtu { address: 1 }, WINDOW)
+}
+
+fn answer(value: u8) -> Vec<u8> {
+    modbus::with_crc(&[1, 3, 2, 0, value])
+}
+
+#[test]
+fn silence_costs_the_requests_wire_time_and_one_window_and_nothing_before_the_next_address() {
+    let (mut wire, sent) = wire(&[&[], &[]]);
+    assert_eq!(ask(&mut wire), Err(Failure::Silent));
+    let other = modbus::with_crc(&[2, 3, 0, 0, 0, 1]);
+    let _ = wire.exchange(&other, &Expected::Rtu { address: 2 }, WINDOW);
+    let sent = sent.lock().unwrap();
+    assert_eq!(sent[1] - sent[0], WINDOW + LineSettings::default().wire_time(8));
+}
+
+#[test]
+fn a_late_answer_is_not_taken_for_the_next_request_of_the_same_shape() {
+    let (late, right) = (answer(1), answer(2));
+    let (mut wire, _) = wire(&[&[(100, &late)], &[(20, &right)]]);
+    assert_eq!(ask(&mut wire), Err(Failure::Silent));
+    assert_eq!(ask(&mut wire), Ok(right));
+}
+
+#[test]
+fn an_answer_of_another_module_does_not_end_the_wait_for_a_late_one() {
+    let neighbour = modbus::with_crc(&[2, 3, 2, 0, 9]);
+    let (late, right) = (answer(1), answer(2));
+    let (mut wire, _) = wire(&[&[(130, &late)], &[(20, &neighbour)], &[(30, &right)]]);
+    assert_eq!(ask(&mut wire), Err(Failure::Silent));
+    let other = modbus::with_crc(&[2, 3, 0, 0, 0, 1]);
+    assert_eq!(wire.exchange(&other, &Expected::Rtu { address: 2 }, WINDOW), Ok(neighbour));
+    assert_eq!(ask(&mut wire), Ok(right));
+}
+
+#[test]
+fn a_stray_byte_does_not_shorten_the_window() {
+    let right = answer(6);
+    let (mut wire, _) = wire(&[&[(9, &[0x40]), (62, &right)]]);
+    assert_eq!(ask(&mut wire), Ok(right));
+}
+
+#[test]
+fn an_answer_in_two_pieces_is_whole_and_one_that_stops_is_cut() {
+    let whole = answer(7);
+    let (first, second) = whole.split_at(3);
+    let (mut wire, _) = wire(&[&[(20, first), (45, second)], &[(20, first)]]);
+    assert_eq!(ask(&mut wire), Ok(whole.clone()));
+    assert_eq!(ask(&mut wire), Err(Failure::Cut { bytes: first.to_vec() }));
+}
+
+#[test]
+fn after_garbage_nothing_is_sent_until_the_line_is_quiet() {
+    let garbage = [0x55; 7];
+    let right = answer(3);
+    let (mut wire, sent) = wire(&[&[(20, &garbage), (45, &garbage), (70, &garbage)], &[(20, &right)]]);
+    assert!(ask(&mut wire).unwrap_err().is_garbage());
+    assert_eq!(ask(&mut wire), Ok(right));
+    let sent = sent.lock().unwrap();
+    assert!(sent[1] - sent[0] >= Duration::from_millis(70) + SETTLE, "{:?}", sent[1] - sent[0]);
+}
+
+#[test]
+fn modbus_frames_are_kept_apart_by_three_and_a_half_characters() {
+    let right = answer(4);
+    let (mut wire, sent) = wire(&[&[(20, &right)], &[(20, &right)]]);
+    ask(&mut wire).unwrap();
+    ask(&mut wire).unwrap();
+    let sent = sent.lock().unwrap();
+    let gap = sent[1] - sent[0] - Duration::from_millis(20);
+    assert_eq!(gap, LineSettings::default().frame_silence());
+}
+
+#[test]
+fn an_echoing_adapter_is_learned_from_reads_and_does_not_spoil_writes() {
+    let (read, write) = (modbus::with_crc(REQUEST), modbus::with_crc(&[1, 6, 2, 0, 0, 10]));
+    let right = answer(5);
+    let echoed = [read.clone(), right.clone()].concat();
+    let twice = write.repeat(2);
+    let (mut wire, _) = wire(&[&[(20, &echoed)], &[(9, &twice[..8]), (20, &twice[8..])]]);
+    assert_eq!(ask(&mut wire), Ok(right));
+    assert!(wire.echoes());
+    assert_eq!(wire.exchange(&write, &Expected::Rtu { address: 1 }, WINDOW), Ok(write.clone()));
+}
+
+#[test]
+fn a_broadcast_waits_for_no_answer() {
+    let (mut wire, sent) = wire(&[&[], &[]]);
+    let broadcast = Expected::Nothing { protocol: Protocol::Dcon, checksum: false };
+    wire.exchange(b"~**\r", &broadcast, WINDOW).unwrap();
+    wire.exchange(b"~**\r", &broadcast, WINDOW).unwrap();
+    let sent = sent.lock().unwrap();
+    assert_eq!(sent[1] - sent[0], LineSettings::default().wire_time(4));
+}
+
+#[test]
+fn an_answer_of_a_neighbour_is_passed_over_while_the_right_one_is_awaited() {
+    let expected = Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![1]) };
+    let (mut wire, _) = wire(&[&[(10, b"!02PIR130\r"), (40, b"!01PIR234\r")]]);
+    let answer = wire.exchange(b"$01M\r", &expected, WINDOW).unwrap();
+    assert_eq!(hex::escaped(&answer), "!01PIR234");
+}
