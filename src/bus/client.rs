@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender, TrySendError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use super::message::{BusCommand, BusEvent, RequestId};
+use super::ports::{ListPorts, ports};
 use super::worker::Worker;
 use crate::module::Catalogue;
 
@@ -14,6 +15,9 @@ use crate::module::Catalogue;
 const COMMAND_ROOM: usize = 256;
 /// Events that may wait; when it is full the thread waits too, except with traffic, which it counts as missed.
 const EVENT_ROOM: usize = 4096;
+
+/// Given to the thread to end by itself: more than an exchange takes.
+const LONGEST_END: Duration = Duration::from_millis(400);
 
 /// The bus thread does not take commands: it has ended, or too many are waiting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -24,22 +28,43 @@ pub enum BusGone {
     Full,
 }
 
-/// The bus thread, seen from outside. Dropping it ends the thread and closes the line.
+/// The bus thread, seen from outside. Dropping it ends the thread and closes the line; a thread that is held up by the
+/// system ends later by itself.
 pub struct Bus {
     commands: Option<SyncSender<BusCommand>>,
     events: Option<Receiver<BusEvent>>,
     next_id: AtomicU64,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<Running>,
+}
+
+struct Running {
+    thread: JoinHandle<()>,
+    /// Hangs up when the thread has ended.
+    ended: Receiver<()>,
 }
 
 impl Bus {
     /// Starts the thread; `wake` is called after events were sent, at most once for a batch.
     pub fn start(catalogue: Arc<Catalogue>, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        Self::start_with_ports(catalogue, wake, Box::new(ports))
+    }
+
+    /// As [`Self::start`], for someone who knows which ports there are.
+    pub fn start_with_ports(
+        catalogue: Arc<Catalogue>,
+        wake: impl Fn() + Send + 'static,
+        list_ports: ListPorts,
+    ) -> std::io::Result<Self> {
         let (commands, command_queue) = mpsc::sync_channel(COMMAND_ROOM);
         let (event_queue, events) = mpsc::sync_channel(EVENT_ROOM);
-        let worker = Worker::new(catalogue, command_queue, event_queue, Box::new(wake));
-        let thread = std::thread::Builder::new().name("bus".to_owned()).spawn(move || worker.run())?;
-        Ok(Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread: Some(thread) })
+        let worker = Worker::new(catalogue, command_queue, event_queue, Box::new(wake), list_ports);
+        let (alive, ended) = mpsc::channel();
+        let thread = std::thread::Builder::new().name("bus".to_owned()).spawn(move || {
+            let _alive: Sender<()> = alive;
+            worker.run();
+        })?;
+        let thread = Some(Running { thread, ended });
+        Ok(Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread })
     }
 
     /// A handle without a thread: whoever holds the other ends plays the bus, at times of its own choice.
@@ -83,9 +108,11 @@ impl Drop for Bus {
         // Without both ends the thread can neither wait for a command nor for room for an event.
         self.commands = None;
         self.events = None;
-        if let Some(thread) = self.thread.take()
-            && thread.join().is_err()
-        {
+        let Some(Running { thread, ended }) = self.thread.take() else { return };
+        // A port that takes no bytes, or a host name that nobody resolves, must not hold up the end of the program.
+        if ended.recv_timeout(LONGEST_END) == Err(RecvTimeoutError::Timeout) {
+            log::warn!("the line is still busy and is left alone");
+        } else if thread.join().is_err() {
             log::error!("the bus thread had panicked");
         }
     }

@@ -11,6 +11,7 @@ pub mod dialogue;
 mod judge;
 pub mod line;
 mod message;
+mod ports;
 mod problem;
 mod repeat;
 mod resync;
@@ -26,8 +27,9 @@ mod worker;
 
 pub use client::{Bus, BusGone};
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
+pub use ports::{ListPorts, PortInfo, UsbIdentity, ports};
 pub use problem::{LineProblem, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};
-pub use serial::{PortInfo, UsbIdentity, ports};
+
 pub use tap::{Direction, Frame, Tap, UNASKED, Verdict};
 pub use target::{LineAddress, MODBUS_TCP_PORT, Patience, Target, Tuning};

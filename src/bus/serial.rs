@@ -3,39 +3,15 @@
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, SerialPortType, StopBits};
 
 use super::line::{Line, LineLost, sleep_until};
+use super::ports::{PortInfo, UsbIdentity};
 use super::problem::LineProblem;
 use crate::protocol::{DataFormat, LineSettings};
 
 /// A port that takes no bytes for so long has gone.
 const WRITE_LIMIT: Duration = Duration::from_secs(2);
-
-/// A port that the system lists.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct PortInfo {
-    /// What to open: `COM3`, `/dev/ttyUSB0`.
-    pub name: String,
-    /// What it is: adapter and maker, as far as the system tells.
-    pub description: String,
-    /// Why it cannot be opened at this moment, where that is known without opening it.
-    pub problem: Option<String>,
-    /// What it keeps when it is plugged in elsewhere; `None` unless it is a USB adapter.
-    pub usb: Option<UsbIdentity>,
-}
-
-/// What tells one USB adapter from another, whatever its port is called.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct UsbIdentity {
-    pub vendor: u16,
-    pub product: u16,
-    /// Cheap adapters have none.
-    pub serial: Option<String>,
-    /// Which port of an adapter with several.
-    pub interface: Option<u8>,
-}
 
 /// The serial ports that are there now, USB adapters first.
 pub fn ports() -> Vec<PortInfo> {

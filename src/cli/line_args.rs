@@ -1,12 +1,13 @@
 //! The options that say which line, and which module on it.
 
 use std::str::FromStr;
+use std::time::Duration;
 
 use clap::{ArgGroup, Args};
 
 use super::stop::Stop;
 use super::{Outcome, parse};
-use crate::bus::{LineAddress, Target};
+use crate::bus::{LineAddress, Target, Tuning};
 use crate::protocol::{BaudRate, DataFormat, LineSettings, Protocol, parse_address};
 
 /// Addresses of Modbus modules (PIR-234 manual 6.1).
@@ -29,6 +30,12 @@ pub struct LineArgs {
     /// Modbus TCP to a module or gateway; the port number is 502 unless told
     #[arg(long, value_name = "HOST[:PORT]", group = "line", value_parser = LineAddress::tcp)]
     tcp: Option<LineAddress>,
+    /// How long an answer is waited for, from the request's end to its first byte [default: 200ms]
+    #[arg(long, value_name = "DURATION", value_parser = parse::timeout)]
+    timeout: Option<Duration>,
+    /// How often a read is asked again when no usable answer came; writes never are [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=5))]
+    repeats: Option<u8>,
     /// A simulated line with five modules
     #[arg(long, group = "line")]
     demo: bool,
@@ -48,6 +55,13 @@ impl LineArgs {
             baud_rate: self.baud_rate.unwrap_or_default(),
             data_format: self.data_format.unwrap_or_default(),
         }
+    }
+
+    /// How patient the line is with its modules.
+    pub fn tuning(&self) -> Tuning {
+        let usual = Tuning::default();
+        let (timeout, repeats) = (self.timeout.unwrap_or(usual.timeout), self.repeats.unwrap_or(usual.repeats));
+        Tuning { timeout, repeats }
     }
 
     /// The speed, if one was given.

@@ -5,6 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::str::FromStr;
 use std::time::Duration;
 
+use crate::bus::Tuning;
 use crate::protocol::{BaudRate, DataFormat, Protocol, parse_addresses};
 
 /// Values separated by commas, each once, in the order given.
@@ -85,6 +86,11 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 /// How long a scan listens at an address.
 pub fn window(text: &str) -> Result<Duration, String> {
     duration_within(text, Duration::from_millis(1), Duration::from_secs(10))
+}
+
+/// How long an answer is waited for.
+pub fn timeout(text: &str) -> Result<Duration, String> {
+    duration_within(text, *Tuning::TIMEOUTS.start(), *Tuning::TIMEOUTS.end())
 }
 
 /// Time from one set of readings to the next.

@@ -36,6 +36,7 @@ impl Session {
     pub fn open(line: &LineArgs, catalogue: &Arc<Catalogue>) -> Outcome<Self> {
         let bus = Bus::start(catalogue.clone(), || {});
         let bus = bus.map_err(|error| Stop::failed(format!("the bus thread could not be started: {error}")))?;
+        bus.send(BusCommand::Tune(line.tuning()))?;
         let session = Self { bus };
         let (line, settings) = (line.address(), line.settings());
         session.ask(

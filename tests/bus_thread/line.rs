@@ -72,7 +72,9 @@ fn a_port_that_is_not_there_is_told_with_what_to_do() {
 #[cfg(unix)]
 mod through_the_serial_driver {
     use super::*;
-    use dcon_bench::bus::ProblemKind;
+    use std::sync::Mutex;
+
+    use dcon_bench::bus::{PortInfo, ProblemKind, UsbIdentity};
     use dcon_bench::sim::PtyServer;
 
     fn bus_on(port: &std::path::Path) -> (Bus, BusEvent) {
@@ -121,5 +123,44 @@ mod through_the_serial_driver {
         let _returned = PtyServer::open(&sim, Some(&name)).expect("a pseudo-terminal");
         line.until(|event| matches!(event, BusEvent::LineRestored { .. }).then_some(()));
         line.until(read);
+    }
+
+    fn adapter(path: &std::path::Path, serial: &str) -> PortInfo {
+        let serial = Some(serial.to_owned());
+        let usb = Some(UsbIdentity { vendor: 0x0403, product: 0x6001, serial, interface: None });
+        PortInfo { name: path.display().to_string(), description: String::new(), problem: None, usb }
+    }
+
+    #[test]
+    fn an_adapter_that_returns_under_another_name_is_found_and_one_that_has_its_old_name_is_left_alone() {
+        let (sim, other) = (simulated("pir-234@1:modbus_rtu:9600"), simulated("pir-234@1:modbus_rtu:9600"));
+        let folder = tempfile::tempdir().expect("a folder");
+        let (old, new) = (folder.path().join("USB0"), folder.path().join("USB1"));
+        let server = PtyServer::open(&sim, Some(&old)).expect("a pseudo-terminal");
+        let present = Arc::new(Mutex::new(vec![adapter(&old, "A1")]));
+        let list = present.clone();
+        let list = Box::new(move || list.lock().expect("no panic").clone());
+        let catalogue = Arc::new(Catalogue::built_in().0);
+        let bus = Bus::start_with_ports(catalogue.clone(), || {}, list).expect("a thread");
+        let (line, settings, id) =
+            (LineAddress::Serial { port: old.display().to_string() }, LineSettings::default(), bus.next_id());
+        bus.send(BusCommand::Open { id, line, settings }).expect("room");
+        let line = Line { bus, sim: sim.clone(), catalogue };
+        line.until(|event| matches!(event, BusEvent::Opened { .. }).then_some(()));
+
+        drop(server);
+        let _stranger = PtyServer::open(&other, Some(&old)).expect("a pseudo-terminal");
+        *present.lock().expect("no panic") = vec![adapter(&old, "B2")];
+        line.until(|event| matches!(event, BusEvent::LineLost { .. }).then_some(()));
+        let _returned = PtyServer::open(&sim, Some(&new)).expect("a pseudo-terminal");
+        present.lock().expect("no panic").push(adapter(&new, "A1"));
+        let restored = line.until(|event| match event {
+            BusEvent::LineRestored { line } => Some(line.to_string()),
+            _ => None,
+        });
+        assert_eq!(restored, new.display().to_string());
+        assert_eq!(other.requests(), 0, "nothing was sent to the other adapter");
+        let definition = line.definition("pir-234");
+        assert!(line.read(target("pir-234@1"), &definition, "temperature_c").is_ok());
     }
 }

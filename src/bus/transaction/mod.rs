@@ -472,4 +472,6 @@ fn leaves_answer_open(failure: &Failure) -> bool {
 }
 
 #[cfg(test)]
+mod exhaustive;
+#[cfg(test)]
 mod tests;

@@ -9,13 +9,14 @@ use jiff::Timestamp;
 
 use super::super::dialogue::{Dialogue, Memory};
 use super::super::message::{BusEvent, RequestId, Statistics};
+use super::super::ports::{PortInfo, find_again, ports_of};
 use super::super::tap::Tap;
 use super::super::target::LineAddress;
 use super::{LOOK_EVERY, Worker};
 use crate::protocol::{Failure, LineSettings};
 
 /// How often a lost port is tried again; an unreachable host takes seconds to fail, so it is tried more rarely.
-const REOPEN_PORT_EVERY: Duration = Duration::from_secs(1);
+const REOPEN_PORT_EVERY: Duration = Duration::from_millis(500);
 const REOPEN_HOST_EVERY: Duration = Duration::from_secs(5);
 const STATISTICS_EVERY: Duration = Duration::from_millis(500);
 /// Rates are taken over so many of these times.
@@ -25,6 +26,8 @@ const RATE_OVER: usize = 6;
 pub struct OpenLine {
     address: LineAddress,
     settings: LineSettings,
+    /// The port that was opened, if it was listed.
+    port: Option<PortInfo>,
     /// `None` while the port is gone.
     dialogue: Option<Dialogue>,
     /// What a lost line was known for, to be carried over when it returns.
@@ -94,17 +97,41 @@ impl Worker {
         self.forget_line();
         let line = address.to_string();
         let frames_missed = Arc::<AtomicU64>::default();
+        // Before it is opened: a port in use is not listed everywhere.
+        let port = self.port_of(&address);
         match Dialogue::open(&address, settings, self.tap(&frames_missed)) {
             Ok(mut dialogue) => {
                 dialogue.not_before(self.latest);
-                let now = Instant::now();
+                let (dialogue, look_at) = (Some(dialogue), Instant::now() + LOOK_EVERY);
                 let told = Told::new(0);
-                let (dialogue, look_at) = (Some(dialogue), now + LOOK_EVERY);
-                self.line = Some(OpenLine { address, settings, dialogue, memory: None, look_at, frames_missed, told });
+                self.line =
+                    Some(OpenLine { address, settings, port, dialogue, memory: None, look_at, frames_missed, told });
                 self.tell(BusEvent::Opened { id, line });
             }
             Err(problem) => self.tell(BusEvent::OpenFailed { id, line, problem }),
         }
+    }
+
+    /// What the system says of the port of `address`.
+    fn port_of(&self, address: &LineAddress) -> Option<PortInfo> {
+        let mut present = ports_of(address, &self.list_ports);
+        match address {
+            LineAddress::Serial { port: name } => present.into_iter().find(|port| port.name == *name),
+            // There is one adapter to a simulated line.
+            LineAddress::Simulated { .. } => present.pop(),
+            LineAddress::Tcp { .. } => None,
+        }
+    }
+
+    /// Where a lost line is now; `None` if its adapter is not there.
+    fn whereabouts(&self, line: &OpenLine) -> Option<LineAddress> {
+        let Some(known) = &line.port else { return Some(line.address.clone()) };
+        let present = ports_of(&line.address, &self.list_ports);
+        let name = find_again(known, &present)?.name.clone();
+        Some(match &line.address {
+            LineAddress::Serial { .. } => LineAddress::Serial { port: name },
+            other => other.clone(),
+        })
     }
 
     pub(super) fn close(&mut self, id: RequestId) {
@@ -178,23 +205,29 @@ impl Worker {
         if line.dialogue.is_some() || line.look_at > Instant::now() {
             return;
         }
-        let tap = self.tap(&line.frames_missed);
+        let opened = self.whereabouts(line).map(|address| {
+            let dialogue = Dialogue::open(&address, line.settings, self.tap(&line.frames_missed));
+            dialogue.map(|dialogue| (self.port_of(&address), address, dialogue))
+        });
         let floor = self.latest;
         let Some(line) = self.line.as_mut() else { return };
-        match Dialogue::open(&line.address, line.settings, tap) {
-            Ok(mut dialogue) => {
+        match opened {
+            Some(Ok((port, address, mut dialogue))) => {
                 if let Some(memory) = line.memory.take() {
                     dialogue.remember(memory);
                 }
                 dialogue.not_before(floor);
                 self.watches.begin_anew(dialogue.now());
                 line.dialogue = Some(dialogue);
+                line.port = port.or(line.port.take());
+                line.address = address.clone();
                 line.look_at = Instant::now() + LOOK_EVERY;
-                let line = line.address.clone();
-                self.tell(BusEvent::LineRestored { line });
+                self.tell(BusEvent::LineRestored { line: address });
             }
-            Err(problem) => {
-                log::debug!("{problem}");
+            failed => {
+                if let Some(Err(problem)) = failed {
+                    log::debug!("{problem}");
+                }
                 line.look_at = Instant::now() + line.retry_after();
             }
         }

@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 use jiff::Timestamp;
 
 use super::message::{BusCommand, BusEvent, RequestId};
+use super::ports::ListPorts;
 use super::repeat::Repeats;
 use super::scan::Scan;
 use super::target::{Patience, Target, Tuning};
@@ -36,6 +37,7 @@ pub struct Worker {
     wake: Box<dyn Fn() + Send>,
     unannounced: bool,
     tuning: Tuning,
+    list_ports: ListPorts,
     ended: bool,
     line: Option<OpenLine>,
     queue: Queue,
@@ -58,6 +60,7 @@ impl Worker {
         commands: Receiver<BusCommand>,
         events: SyncSender<BusEvent>,
         wake: Box<dyn Fn() + Send>,
+        list_ports: ListPorts,
     ) -> Self {
         Self {
             catalogue,
@@ -66,6 +69,7 @@ impl Worker {
             wake,
             unannounced: false,
             tuning: Tuning::default(),
+            list_ports,
             ended: false,
             line: None,
             queue: Queue::default(),
