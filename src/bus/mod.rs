@@ -5,6 +5,7 @@
 //! `codec` and `tcp` (Modbus), [`dialogue`] (questions to a module), [`scan`], `schedule` (whose turn it is
 //! to be polled), and `worker`, which decides what is asked next.
 
+mod adapters;
 mod client;
 mod codec;
 pub mod dialogue;
@@ -25,6 +26,7 @@ pub mod transaction;
 mod watch;
 mod worker;
 
+pub use adapters::{NoPort, WithoutPort, adapters_without_port};
 pub use client::{Bus, BusGone};
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
 pub use ports::{ListPorts, PortInfo, UsbIdentity, ports};

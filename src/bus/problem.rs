@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::adapters::{adapters_without_port, holder};
+
 /// A line that could not be opened: what happened and the step that cures it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LineProblem {
@@ -11,9 +13,15 @@ pub struct LineProblem {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ProblemKind {
-    NoSuchPort { present: Vec<String> },
+    NoSuchPort {
+        present: Vec<String>,
+        hints: Vec<String>,
+    },
     PermissionDenied,
-    Busy,
+    /// Held by this program, if the system tells.
+    Busy {
+        by: Option<String>,
+    },
     NotASerialPort,
     NotReached(String),
     Other(String),
@@ -25,13 +33,17 @@ impl fmt::Display for LineProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { line, kind } = self;
         match kind {
-            ProblemKind::NoSuchPort { present } if present.is_empty() => {
+            ProblemKind::NoSuchPort { hints, .. } if !hints.is_empty() => {
+                write!(f, "There is no port {line}. {}", hints.join(". "))
+            }
+            ProblemKind::NoSuchPort { present, .. } if present.is_empty() => {
                 write!(
                     f,
                     "There is no port {line}, nor any other – plug in the adapter, or try the simulated line (--demo)"
-                )
+                )?;
+                if cfg!(windows) { f.write_str(NO_DRIVER_ON_WINDOWS) } else { Ok(()) }
             }
-            ProblemKind::NoSuchPort { present } => {
+            ProblemKind::NoSuchPort { present, .. } => {
                 write!(f, "There is no port {line} – present are {}", present.join(", "))
             }
             ProblemKind::PermissionDenied if cfg!(windows) => {
@@ -44,7 +56,12 @@ impl fmt::Display for LineProblem {
                      then log out and in again"
                 )
             }
-            ProblemKind::Busy => write!(f, "{line} is in use by another program – close that program and try again"),
+            ProblemKind::Busy { by: Some(program) } => {
+                write!(f, "{line} is in use by {program} – close that program and try again")
+            }
+            ProblemKind::Busy { by: None } => {
+                write!(f, "{line} is in use by another program – close that program and try again")
+            }
             ProblemKind::NotASerialPort => {
                 write!(f, "{line} is not a serial port – `dcon-bench ports` lists those that are there")
             }
@@ -57,6 +74,10 @@ impl fmt::Display for LineProblem {
         }
     }
 }
+
+/// Where Windows shows an adapter that has no driver.
+const NO_DRIVER_ON_WINDOWS: &str = "; if it is plugged in, the Device Manager shows it under \"Other devices\": install its \
+                                    maker's driver";
 
 impl LineProblem {
     /// What a failed `open` of a serial port means. `present` are the ports that exist.
@@ -74,17 +95,22 @@ impl LineProblem {
             {
                 ProblemKind::NotASerialPort
             }
-            _ if text.contains("busy") || text.contains("exclusive") => ProblemKind::Busy,
+            _ if text.contains("busy") || text.contains("exclusive") => ProblemKind::Busy { by: holder(line) },
             serialport::ErrorKind::NoDevice if text.contains("no such") || !exists(line) => {
-                ProblemKind::NoSuchPort { present }
+                ProblemKind::NoSuchPort { present, hints: hints() }
             }
-            serialport::ErrorKind::Io(Io::NotFound) => ProblemKind::NoSuchPort { present },
-            _ if text.contains("cannot find the file") => ProblemKind::NoSuchPort { present },
-            serialport::ErrorKind::NoDevice => ProblemKind::Busy,
+            serialport::ErrorKind::Io(Io::NotFound) => ProblemKind::NoSuchPort { present, hints: hints() },
+            _ if text.contains("cannot find the file") => ProblemKind::NoSuchPort { present, hints: hints() },
+            serialport::ErrorKind::NoDevice => ProblemKind::Busy { by: holder(line) },
             _ => ProblemKind::Other(error.description.clone()),
         };
         Self { line: line.to_owned(), kind }
     }
+}
+
+/// Adapters that are there, but have no port.
+fn hints() -> Vec<String> {
+    adapters_without_port().iter().map(ToString::to_string).collect()
 }
 
 /// Windows names are not paths; there only the error's text tells.

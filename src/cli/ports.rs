@@ -25,6 +25,9 @@ pub fn run(args: &PortsArgs) -> Outcome {
     if ports.is_empty() {
         output::message("There is no serial port – plug in the adapter, or try the simulated line (--demo)");
     }
+    for adapter in bus::adapters_without_port() {
+        output::message(&adapter.to_string());
+    }
     if args.json { output::json(&ports) } else { table(&ports).print() }
 }
 

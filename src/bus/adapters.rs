@@ -1,0 +1,178 @@
+//! USB adapters that are plugged in without a port to open, and who holds a port that is busy: what Linux tells of both.
+
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Makers of USB adapters by their number, and the driver that Linux has for them.
+const MAKERS: [(u16, &str, &str); 4] = [
+    (0x0403, "FTDI", "ftdi_sio"),
+    (0x067B, "Prolific", "pl2303"),
+    (0x10C4, "Silicon Labs", "cp210x"),
+    (0x1A86, "WCH", "ch341"),
+];
+/// Processes looked through at most for one that holds a port.
+const MOST_PROCESSES: usize = 10_000;
+
+/// An adapter that is plugged in, but cannot be opened as a port.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WithoutPort {
+    pub maker: &'static str,
+    pub vendor: u16,
+    pub product: u16,
+    pub reason: NoPort,
+}
+
+/// Why there is no port.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NoPort {
+    /// The screen reader for braille displays takes adapters with the numbers of such a display.
+    Brltty,
+    /// Another program has taken it away from the system.
+    Taken,
+    NoDriver {
+        driver: &'static str,
+    },
+}
+
+impl fmt::Display for WithoutPort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { maker, vendor, product, reason } = self;
+        write!(f, "An adapter of {maker} ({vendor:04x}:{product:04x}) is plugged in, but has no port: ")?;
+        match reason {
+            NoPort::Brltty => f.write_str(
+                "brltty, the screen reader for braille displays, takes it – `sudo apt remove brltty`, or `sudo systemctl mask \
+                 brltty-udev.service` to keep it, then plug the adapter in again",
+            ),
+            NoPort::Taken => f.write_str(
+                "a program uses it directly, such as a virtual machine – end that program, then plug the adapter in again",
+            ),
+            NoPort::NoDriver { driver } => write!(
+                f,
+                "its driver is missing – `sudo modprobe {driver}`; if that says that there is none, install the package \
+                 linux-modules-extra of this kernel"
+            ),
+        }
+    }
+}
+
+/// The adapters that are plugged in without a port. Empty on systems that do not tell.
+pub fn adapters_without_port() -> Vec<WithoutPort> {
+    if cfg!(target_os = "linux") { look_through(Path::new("/")) } else { Vec::new() }
+}
+
+/// As [`adapters_without_port`], with the files of a system below `root`.
+fn look_through(root: &Path) -> Vec<WithoutPort> {
+    let devices = fs::read_dir(root.join("sys/bus/usb/devices")).into_iter().flatten().flatten();
+    let mut found: Vec<_> = devices.filter_map(|device| without_port(root, &device.path())).collect();
+    found.sort_by_key(|adapter| (adapter.vendor, adapter.product));
+    found
+}
+
+fn without_port(root: &Path, device: &Path) -> Option<WithoutPort> {
+    let number = |name: &str| {
+        let text = fs::read_to_string(device.join(name)).ok()?;
+        u16::from_str_radix(text.trim(), 16).ok()
+    };
+    let (vendor, product) = (number("idVendor")?, number("idProduct")?);
+    let (_, maker, driver) = *MAKERS.iter().find(|(number, ..)| *number == vendor)?;
+    let name = device.file_name()?.to_str()?;
+    // The interfaces of device 1-2 are 1-2:1.0 and so on.
+    let interfaces: Vec<PathBuf> = fs::read_dir(device)
+        .ok()?
+        .flatten()
+        .filter(|entry| entry.file_name().to_str().is_some_and(|inner| inner.starts_with(&format!("{name}:"))))
+        .map(|entry| entry.path())
+        .collect();
+    if interfaces.is_empty() || interfaces.iter().any(|interface| has_port(interface)) {
+        return None;
+    }
+    let drivers: Vec<PathBuf> = interfaces.iter().filter_map(|path| fs::read_link(path.join("driver")).ok()).collect();
+    let taken = drivers.iter().any(|driver| driver.ends_with("usbfs"));
+    let reason = match taken {
+        true if has_brltty(root) => NoPort::Brltty,
+        true => NoPort::Taken,
+        // Other interfaces of such a device, such as one for programming, have drivers of their own.
+        false if drivers.is_empty() => NoPort::NoDriver { driver },
+        false => return None,
+    };
+    Some(WithoutPort { maker, vendor, product, reason })
+}
+
+fn has_port(interface: &Path) -> bool {
+    let entries = fs::read_dir(interface).into_iter().flatten().flatten();
+    entries.filter_map(|entry| entry.file_name().into_string().ok()).any(|name| name.starts_with("tty"))
+}
+
+fn has_brltty(root: &Path) -> bool {
+    ["usr/bin/brltty", "bin/brltty", "usr/sbin/brltty"].iter().any(|path| root.join(path).exists())
+}
+
+/// The program that has `port` open, with its number, if the system lets us see it.
+pub fn holder(port: &str) -> Option<String> {
+    if !cfg!(target_os = "linux") {
+        return None;
+    }
+    let port = fs::canonicalize(port).ok()?;
+    let is_process = |entry: &fs::DirEntry| entry.file_name().to_str().is_some_and(|name| name.parse::<u32>().is_ok());
+    let processes = fs::read_dir("/proc").ok()?.flatten().filter(is_process).take(MOST_PROCESSES);
+    let holds = |process: &PathBuf| {
+        let files = fs::read_dir(process.join("fd")).into_iter().flatten().flatten();
+        files.map(|file| file.path()).any(|file| fs::read_link(file).is_ok_and(|target| target == port))
+    };
+    let process = processes.map(|entry| entry.path()).find(holds)?;
+    let name = fs::read_to_string(process.join("comm")).ok()?;
+    Some(format!("{} (process {})", name.trim(), process.file_name()?.to_str()?))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// A system with one adapter of WCH, whose interface has `driver` and perhaps a port.
+    fn system(driver: Option<&str>, port: bool) -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        let device = root.path().join("sys/bus/usb/devices/1-2");
+        let interface = device.join("1-2:1.0");
+        fs::create_dir_all(&interface).unwrap();
+        fs::write(device.join("idVendor"), "1a86\n").unwrap();
+        fs::write(device.join("idProduct"), "7523\n").unwrap();
+        if let Some(driver) = driver {
+            std::os::unix::fs::symlink(format!("../../drivers/{driver}"), interface.join("driver")).unwrap();
+        }
+        if port {
+            fs::create_dir(interface.join("ttyUSB0")).unwrap();
+        }
+        root
+    }
+
+    fn told(root: &tempfile::TempDir) -> Vec<String> {
+        look_through(root.path()).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn an_adapter_with_a_port_is_no_trouble() {
+        assert_eq!(told(&system(Some("ch341"), true)), Vec::<String>::new());
+    }
+
+    #[test]
+    fn an_adapter_that_brltty_took_is_named_with_the_command_that_frees_it() {
+        let root = system(Some("usbfs"), false);
+        assert!(told(&root)[0].contains("a program uses it directly"), "{:?}", told(&root));
+        fs::create_dir_all(root.path().join("usr/bin")).unwrap();
+        fs::write(root.path().join("usr/bin/brltty"), "").unwrap();
+        let told = told(&root);
+        assert!(told[0].contains("1a86:7523") && told[0].contains("sudo apt remove brltty"), "{told:?}");
+    }
+
+    #[test]
+    fn a_missing_driver_is_named_with_the_command_that_loads_it() {
+        let told = told(&system(None, false));
+        assert!(told[0].contains("sudo modprobe ch341"), "{told:?}");
+    }
+
+    #[test]
+    fn a_system_without_such_files_tells_nothing() {
+        assert_eq!(look_through(Path::new("/nowhere")), []);
+    }
+}
