@@ -9,6 +9,7 @@ use super::stop::Stop;
 use super::{Outcome, parse};
 use crate::bus::{LineAddress, Target, Tuning};
 use crate::protocol::{BaudRate, DataFormat, LineSettings, Protocol, parse_address};
+use crate::sim::Fault;
 
 /// Addresses of Modbus modules (PIR-234 manual 6.1).
 const MODBUS_ADDRESSES: std::ops::RangeInclusive<u8> = 1..=247;
@@ -39,6 +40,9 @@ pub struct LineArgs {
     /// A simulated line with five modules
     #[arg(long, group = "line")]
     demo: bool,
+    /// What goes wrong on the simulated line, such as flipped=1% (`dcon-bench simulate --help` lists it all); repeatable
+    #[arg(long, value_name = "KIND[=STRENGTH]", requires = "demo")]
+    fault: Vec<Fault>,
 }
 
 impl LineArgs {
@@ -46,8 +50,16 @@ impl LineArgs {
         match (&self.port, &self.tcp) {
             (Some(port), _) => LineAddress::Serial { port: port.clone() },
             (None, Some(tcp)) => tcp.clone(),
-            (None, None) => LineAddress::demo(),
+            (None, None) => self.demo(),
         }
+    }
+
+    fn demo(&self) -> LineAddress {
+        let line = LineAddress::demo();
+        if let LineAddress::Simulated { sim, .. } = &line {
+            sim.set_faults(self.fault.iter().copied().collect());
+        }
+        line
     }
 
     pub fn settings(&self) -> LineSettings {

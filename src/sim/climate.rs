@@ -37,6 +37,15 @@ impl Climate {
         self.frozen_humidity = Some(percent);
     }
 
+    /// A few steps away the air is another: the seed of its course, or what it was frozen at, is.
+    pub fn elsewhere(&self) -> Self {
+        Self {
+            seed: mix(self.seed),
+            frozen_c: self.frozen_c.map(|celsius| celsius + 3.75),
+            frozen_humidity: self.frozen_humidity.map(|percent| percent + 7.5),
+        }
+    }
+
     /// What a module with these offsets measures at `time`.
     pub fn channels(&self, time: Duration, temperature_offset: Hundredths, humidity_offset: Hundredths) -> Channels {
         let wave = self.wave(time);

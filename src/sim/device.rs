@@ -128,6 +128,13 @@ impl Device {
         self.live(self.now);
     }
 
+    /// A module of the same kind and settings that hangs elsewhere.
+    pub fn twin(&self) -> Self {
+        let mut twin = Self { climate: self.climate.elsewhere(), ..self.clone() };
+        twin.live(self.now);
+        twin
+    }
+
     /// The answer to a frame heard on the wire, if there is one.
     pub fn hear(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         let answer = match self.comms.in_force().protocol {

@@ -3,10 +3,12 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use crate::bus::line::LineLost;
+
 use super::DEMO;
 use super::device::Device;
 use super::ethernet::ResetCause;
-use super::faults::{FaultKind, Faults, Injected};
+use super::faults::{Faults, Injected};
 use super::guest::Guest;
 use super::line::SimLine;
 use super::settings;
@@ -49,9 +51,27 @@ impl Sim {
         self.world().join(guest);
     }
 
-    /// Another adapter on the line, at 9600 N81 at first.
+    /// The line through the adapter that is there now, or was, at 9600 N81 at first.
     pub fn line(&self) -> SimLine {
-        SimLine::new(self.clone())
+        let name = self.adapter_name();
+        SimLine::new(self.clone(), name)
+    }
+
+    /// The line through the adapter `name`, at 9600 N81 at first.
+    ///
+    /// # Errors
+    /// If no adapter of this name is plugged in.
+    pub fn line_on(&self, name: &str) -> Result<SimLine, LineLost> {
+        match self.adapters().into_iter().find(|adapter| adapter.name == name) {
+            Some(_) => Ok(SimLine::new(self.clone(), self.adapter_name())),
+            None => Err(LineLost::new(format!("no simulated adapter {name} is plugged in"))),
+        }
+    }
+
+    /// What chance does to the line is the same again with the same seed and the same requests.
+    pub fn with_seed(self, seed: u64) -> Self {
+        self.world().faults.seed(seed);
+        self
     }
 
     /// The time a module needs to answer, to which its response delay is added; 5 ms unless told.
@@ -103,12 +123,16 @@ impl Sim {
 
     /// The adapters that are plugged in.
     pub fn adapters(&self) -> Vec<Adapter> {
-        let world = self.world();
-        if world.faults.unplugged || world.faults.faults.is_on(FaultKind::Unplugged) {
+        let faults = &self.world().faults;
+        if faults.is_unplugged() {
             return Vec::new();
         }
-        let name = if world.faults.faults.is_on(FaultKind::Renamed) { "SIM2" } else { "SIM1" };
-        vec![Adapter { name: name.to_owned(), vendor: 0x0403, product: 0x6001, serial: "SIM00001".to_owned() }]
+        let name = faults.adapter_name().to_owned();
+        vec![Adapter { name, vendor: 0x0403, product: 0x6001, serial: "SIM00001".to_owned() }]
+    }
+
+    fn adapter_name(&self) -> &'static str {
+        self.world().faults.adapter_name()
     }
 
     /// What goes wrong on the line at present.
@@ -118,7 +142,7 @@ impl Sim {
 
     /// What goes wrong from now on; what was under way stays as it is.
     pub fn set_faults(&self, faults: Faults) {
-        self.world().faults.faults = faults;
+        self.world().faults.set(faults);
     }
 
     /// How often each fault has struck since the line began.

@@ -2,10 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use crate::protocol::LineSettings;
+#[cfg(unix)]
+use crate::protocol::BaudRate;
+use crate::protocol::{LineSettings, Protocol};
 
 use super::device::Device;
-use super::faults::Present;
+use super::faults::{Asked, Code, FaultKind, Present};
 use super::guest::{Guest, Seat};
 use super::spec::ModuleSpec;
 
@@ -41,6 +43,25 @@ impl Carrier {
             Self::Speed(bps) => bps == settings.baud_rate.bps(),
         }
     }
+
+    fn bps(self) -> u32 {
+        match self {
+            Self::Line(line) => line.baud_rate.bps(),
+            #[cfg(unix)]
+            Self::Speed(bps) => bps,
+        }
+    }
+
+    /// How long characters take. A speed that no module has is as fast as the default one; nobody will answer anyhow.
+    fn settings(self) -> LineSettings {
+        match self {
+            Self::Line(line) => line,
+            #[cfg(unix)]
+            Self::Speed(bps) => {
+                LineSettings { baud_rate: BaudRate::new(bps).unwrap_or_default(), ..LineSettings::default() }
+            }
+        }
+    }
 }
 
 /// What a module puts on the wire, `delay` after the last bit of the request.
@@ -48,6 +69,14 @@ impl Carrier {
 pub(super) struct Answer {
     pub delay: Duration,
     pub bytes: Vec<u8>,
+}
+
+/// What comes back of one request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Reply {
+    /// From the first bit of the request on.
+    pub echo: Vec<u8>,
+    pub answers: Vec<Answer>,
 }
 
 #[derive(Debug)]
@@ -139,22 +168,53 @@ impl World {
         }
     }
 
-    /// What is answered to a frame whose last bit passes at `now`.
-    pub fn hear(&mut self, frame: &[u8], carrier: Carrier, now: Instant) -> Vec<Answer> {
+    /// What comes back of a frame whose last bit passes at `now`.
+    pub fn hear(&mut self, frame: &[u8], carrier: Carrier, now: Instant) -> Reply {
         self.requests = self.requests.saturating_add(1);
         self.live(now);
-        let turnaround = self.turnaround;
-        let reachable = |device: &&mut Device| !device.dead && carrier.matches(device.comms.in_force().settings);
-        let answers = self.devices.iter_mut().filter(reachable).filter_map(|device| {
-            let bytes = device.hear(frame)?;
-            Some(Answer { delay: turnaround.saturating_add(device.comms.response_delay()), bytes })
-        });
-        let present = |seat: &&mut Seat| !seat.dead && carrier.matches(seat.guest.settings());
-        let guests = self.seats.iter_mut().filter(present).filter_map(|seat| {
-            let bytes = seat.guest.hear(frame)?;
-            Some(Answer { delay: turnaround.saturating_add(seat.guest.response_delay()), bytes })
-        });
-        self.faults.on_the_wire(answers.chain(guests).collect())
+        let echo = self.faults.echo_of(frame);
+        let mut asked = Asked { request: frame, code: Code::of(frame), settings: carrier.settings() };
+        if let Some(bytes) = self.faults.garbage(asked, carrier.bps(), &echo) {
+            return Reply { echo, answers: vec![Answer { delay: self.turnaround, bytes }] };
+        }
+        let heard = self.faults.heard(asked);
+        let Said { answers, twins, code } = self.answers(&heard, carrier, asked.code);
+        asked.code = code;
+        let answers = self.faults.on_the_wire(answers, asked, &echo, twins);
+        Reply { echo, answers }
+    }
+
+    /// What the modules say, still undamaged.
+    fn answers(&mut self, frame: &[u8], carrier: Carrier, asked: Code) -> Said {
+        let (turnaround, twin) = (self.turnaround, self.faults.twin());
+        let mut said = Said { answers: Vec::new(), twins: false, code: asked };
+        for device in self.devices.iter_mut().filter(|device| !device.dead) {
+            let language = device.comms.in_force();
+            if !carrier.matches(language.settings) {
+                continue;
+            }
+            let second = (twin == Some(device.comms.address())).then(|| device.twin());
+            let Some(bytes) = device.hear(frame) else { continue };
+            if language.protocol == Protocol::Dcon {
+                said.code = if language.checksum { Code::Summed } else { Code::Open };
+            }
+            let delay = turnaround.saturating_add(device.comms.response_delay());
+            said.answers.push(Answer { delay, bytes });
+            if let Some(bytes) = second.and_then(|mut second| second.hear(frame)) {
+                said.second(&mut self.faults, delay, bytes);
+            }
+        }
+        for seat in self.seats.iter_mut().filter(|seat| !seat.dead && carrier.matches(seat.guest.settings())) {
+            let at_twin = twin == Some(seat.guest.address());
+            let Some(bytes) = seat.guest.hear(frame) else { continue };
+            let delay = turnaround.saturating_add(seat.guest.response_delay());
+            said.answers.push(Answer { delay, bytes: bytes.clone() });
+            // A guest cannot be taken twice: its twin sees what it sees.
+            if at_twin {
+                said.second(&mut self.faults, delay, bytes);
+            }
+        }
+        said
     }
 
     /// The answer of the module with this unit identifier to a Modbus request over Ethernet, if there is one.
@@ -164,5 +224,21 @@ impl World {
         let reachable =
             |device: &&mut Device| !device.dead && device.model.has_ethernet() && device.ethernet.net_id() == unit;
         self.devices.iter_mut().find(reachable).map(|device| device.hear_tcp(pdu))
+    }
+}
+
+/// What the modules say to one request.
+struct Said {
+    answers: Vec<Answer>,
+    /// A second module is among them.
+    twins: bool,
+    code: Code,
+}
+
+impl Said {
+    fn second(&mut self, faults: &mut Present, delay: Duration, bytes: Vec<u8>) {
+        faults.strike(FaultKind::Twin);
+        self.twins = true;
+        self.answers.push(Answer { delay: faults.jittered(delay), bytes });
     }
 }

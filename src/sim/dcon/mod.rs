@@ -90,8 +90,8 @@ fn framed(text: &str, checksum: bool) -> Vec<u8> {
 }
 
 /// Sum of the character codes modulo 256.
-fn sum(text: &str) -> u8 {
-    text.bytes().fold(0, u8::wrapping_add)
+pub(super) fn sum(text: impl AsRef<[u8]>) -> u8 {
+    text.as_ref().iter().fold(0, |sum, &byte| sum.wrapping_add(byte))
 }
 
 #[cfg(test)]

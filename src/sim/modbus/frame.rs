@@ -1,10 +1,16 @@
 //! RTU frames: the check at their end.
 
+/// The register before the first byte.
+pub(crate) const CRC_START: u16 = 0xFFFF;
+
 /// CRC-16 of Modbus over serial line 1.02, appendix B: polynomial 0xA001 reflected, all ones at first.
 fn crc(bytes: &[u8]) -> u16 {
-    bytes.iter().fold(0xFFFF, |crc, &byte| {
-        (0..8).fold(crc ^ u16::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xA001 } else { crc >> 1 })
-    })
+    bytes.iter().fold(CRC_START, |crc, &byte| crc_with(crc, byte))
+}
+
+/// The register after one more byte.
+pub(crate) fn crc_with(crc: u16, byte: u8) -> u16 {
+    (0..8).fold(crc ^ u16::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xA001 } else { crc >> 1 })
 }
 
 /// Address and request, if the frame's check is right.
@@ -15,7 +21,7 @@ pub(crate) fn checked(frame: &[u8]) -> Option<&[u8]> {
 }
 
 /// `content` with its check.
-pub(super) fn sealed(mut content: Vec<u8>) -> Vec<u8> {
+pub(crate) fn sealed(mut content: Vec<u8>) -> Vec<u8> {
     let check = crc(&content).to_le_bytes();
     content.extend(check);
     content

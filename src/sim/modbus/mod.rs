@@ -7,8 +7,7 @@ mod module_settings;
 mod pir130;
 mod pir234;
 
-#[cfg(unix)]
-pub(super) use frame::checked;
+pub(super) use frame::{CRC_START, checked, crc_with, sealed};
 
 use super::climate::Hundredths;
 use super::device::Device;

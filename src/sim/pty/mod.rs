@@ -22,14 +22,18 @@ use tokio::runtime::Runtime;
 
 use crate::protocol::{BaudRate, LineSettings};
 
+use super::faults::FaultKind;
 use super::handle::Sim;
 use super::line::FIFO_TRIGGER;
-use super::world::Carrier;
+use super::world::{Carrier, Reply};
 
 /// How long a server takes at most to notice that it shall stop.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 /// Operating systems deliver in lumps, so a pause that ends a frame is longer here than on the wire.
 const LEAST_SILENCE: Duration = Duration::from_millis(20);
+
+/// Lumps that wait at most; late answers pile up where nobody waits for them.
+const MOST_OUTGOING: usize = 1_024;
 
 /// More than any request has (Modbus over serial line 1.02, 2.5.1).
 const LONGEST_REQUEST: usize = 256;
@@ -202,19 +206,17 @@ impl Talk {
         let now = Instant::now();
         let start = now.max(self.sent);
         let end = start + settings.wire_time(frame.len());
-        let (echo, answers) = {
+        let Reply { echo, answers } = {
             let mut world = self.sim.world();
-            if world.faults.unplugged {
+            if world.faults.is_unplugged() {
+                world.faults.strike(FaultKind::Unplugged);
                 return Ok(());
             }
             let heard = world.now() + (end - now);
-            let answers = world.hear(frame, Carrier::Speed(speed), heard);
-            (world.faults.echo, answers)
+            world.hear(frame, Carrier::Speed(speed), heard)
         };
         self.sent = end;
-        if echo {
-            self.say(start, settings, frame);
-        }
+        self.say(start, settings, &echo);
         for answer in answers {
             self.say(end.checked_add(answer.delay).unwrap_or(end), settings, &answer.bytes);
         }
@@ -224,6 +226,9 @@ impl Talk {
     fn say(&mut self, start: Instant, settings: LineSettings, bytes: &[u8]) {
         let mut sent = 0_usize;
         for lump in bytes.chunks(FIFO_TRIGGER) {
+            if self.outgoing.len() >= MOST_OUTGOING {
+                break;
+            }
             sent = sent.saturating_add(lump.len());
             let due = start.checked_add(settings.wire_time(sent)).unwrap_or(start);
             self.outgoing.push_back((due, lump.to_vec()));
