@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
 
+use super::capture::{CaptureFile, capture_file};
 use super::stop::Stop;
 use super::{Outcome, parse};
 use crate::bus::{LineAddress, Target};
@@ -32,6 +33,9 @@ pub struct LineArgs {
     /// A simulated line with five modules
     #[arg(long, group = "line")]
     demo: bool,
+    /// Write all traffic into this file: .pcapng for Wireshark, .txt or .log for text (`dcon-bench replay` reads both)
+    #[arg(long, value_name = "FILE", value_parser = capture_file)]
+    capture: Option<CaptureFile>,
 }
 
 impl LineArgs {
@@ -62,6 +66,11 @@ impl LineArgs {
 
     pub fn is_tcp(&self) -> bool {
         self.tcp.is_some()
+    }
+
+    /// Where the traffic is written to, if it is.
+    pub fn capture(&self) -> Option<&CaptureFile> {
+        self.capture.as_ref()
     }
 }
 
