@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::{ArgGroup, Args};
 
+use super::capture::{CaptureFile, capture_file};
 use super::stop::Stop;
 use super::{Outcome, parse};
 use crate::bus::{LineAddress, Target, Tuning};
@@ -43,6 +44,9 @@ pub struct LineArgs {
     /// What goes wrong on the simulated line, such as flipped=1% (`dcon-bench simulate --help` lists it all); repeatable
     #[arg(long, value_name = "KIND[=STRENGTH]", requires = "demo")]
     fault: Vec<Fault>,
+    /// Write all traffic into this file: .pcapng for Wireshark, .txt or .log for text (`dcon-bench replay` reads both)
+    #[arg(long, value_name = "FILE", value_parser = capture_file)]
+    capture: Option<CaptureFile>,
 }
 
 impl LineArgs {
@@ -88,6 +92,11 @@ impl LineArgs {
 
     pub fn is_tcp(&self) -> bool {
         self.tcp.is_some()
+    }
+
+    /// Where the traffic is written to, if it is.
+    pub fn capture(&self) -> Option<&CaptureFile> {
+        self.capture.as_ref()
     }
 }
 

@@ -4,6 +4,7 @@
 //! the line or a module refused or stayed silent, 2 for wrong usage. Standard output that was closed ends quietly with 0.
 
 mod action;
+mod capture;
 mod diagnose;
 mod export;
 mod get;

@@ -1,8 +1,10 @@
 //! A conversation from beginning to end: opens the line, asks one thing at a time and waits for its answer.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::capture::Capture;
 use super::line_args::{LineArgs, ModuleArgs};
 use super::stop::Stop;
 use super::{Outcome, names, output};
@@ -13,6 +15,8 @@ use crate::protocol::{Failure, LineSettings, Protocol};
 
 /// The bus thread tells of every frame; when it has been quiet for so long, it is stuck.
 const LONGEST_QUIET: Duration = Duration::from_secs(60);
+/// Events that are still taken at the end.
+const MOST_WAITING: usize = 10_000;
 
 /// The definitions built in and the user's own. Faulty files are reported.
 pub fn catalogue() -> Arc<Catalogue> {
@@ -29,18 +33,21 @@ pub fn catalogue() -> Arc<Catalogue> {
 /// An open line.
 pub struct Session {
     bus: Bus,
+    /// What passes the line, where that was asked for.
+    capture: Option<RefCell<Capture>>,
 }
 
 impl Session {
     /// Opens the line.
     pub fn open(line: &LineArgs, catalogue: &Arc<Catalogue>) -> Outcome<Self> {
+        let (address, settings) = (line.address(), line.settings());
+        let capture = line.capture().map(|file| Capture::begin(file, &address.to_string())).transpose()?;
         let bus = Bus::start(catalogue.clone(), || {});
         let bus = bus.map_err(|error| Stop::failed(format!("the bus thread could not be started: {error}")))?;
         bus.send(BusCommand::Tune(line.tuning()))?;
-        let session = Self { bus };
-        let (line, settings) = (line.address(), line.settings());
+        let session = Self { bus, capture: capture.map(RefCell::new) };
         session.ask(
-            |id| BusCommand::Open { id, line, settings },
+            |id| BusCommand::Open { id, line: address, settings },
             |id, event| match event {
                 BusEvent::Opened { id: of, .. } if of == id => Some(Ok(())),
                 BusEvent::OpenFailed { id: of, problem, .. } if of == id => Some(Err(Stop::from(problem))),
@@ -59,7 +66,11 @@ impl Session {
 
     /// The next event; `None` when none came in time.
     pub fn event(&self, limit: Duration) -> Outcome<Option<BusEvent>> {
-        Ok(self.bus.wait_event(limit)?)
+        let event = self.bus.wait_event(limit)?;
+        if let (Some(capture), Some(event)) = (&self.capture, &event) {
+            capture.borrow_mut().take(event);
+        }
+        Ok(event)
     }
 
     /// Takes events until `pick` makes something of one of them.
@@ -152,6 +163,17 @@ impl Session {
                 _ => None,
             },
         )
+    }
+}
+
+impl Drop for Session {
+    /// What passed the line until the end is captured too.
+    fn drop(&mut self) {
+        let Some(capture) = &self.capture else { return };
+        for _ in 0..MOST_WAITING {
+            let Some(event) = self.bus.try_event() else { return };
+            capture.borrow_mut().take(&event);
+        }
     }
 }
 

@@ -4,11 +4,14 @@ use eframe::egui::{Panel, Ui};
 
 use super::app::Pass;
 use super::saving::SaveAs;
-use super::tables::{self, Act, Asked, Column, Follower, Form, FramesFile, Line, Scroll, Selection, Table, Wanted};
+use super::tables::{
+    self, Act, Asked, CaptureFile, Column, Follower, Form, FramesFile, Line, Scroll, Selection, Table, Wanted,
+};
 use super::{theme, widgets, words};
 use crate::bench::traffic::{FrameFilter, FrameRef};
 use crate::bench::{Action, Bench};
 use crate::bus::{Direction, Target};
+use crate::capture;
 
 const DIRECTIONS: [(&str, Option<Direction>); 3] =
     [("Both ways", None), ("Sent", Some(Direction::Sent)), ("Received", Some(Direction::Received))];
@@ -57,6 +60,7 @@ impl TrafficView {
                 Some(Asked::CopyChosen) => self.copy(ui, pass.bench, false),
                 Some(Asked::CopyAll) => self.copy(ui, pass.bench, true),
                 Some(Asked::Export(_, form)) => *pass.save = Some(self.export(pass.bench, form)),
+                Some(Asked::Capture(form)) => *pass.save = Some(self.capture(pass.bench, form)),
                 None => {}
             }
             if ui.button("Clear").on_hover_text("Forget all frames so far").clicked() {
@@ -147,6 +151,14 @@ impl TrafficView {
             title: "Export traffic".to_owned(),
             name: format!("traffic-{}.{}", words::for_file(bench.now()), form.ending()),
             contents: Box::new(FramesFile::new(form, self.frames.view().seqs())),
+        }
+    }
+
+    fn capture(&self, bench: &Bench, form: capture::Form) -> SaveAs {
+        SaveAs {
+            title: "Export traffic".to_owned(),
+            name: format!("traffic-{}.{}", words::for_file(bench.now()), form.ending()),
+            contents: Box::new(CaptureFile::new(form, self.frames.view().seqs())),
         }
     }
 }

@@ -211,4 +211,10 @@ fn exported_frames_can_be_read_by_other_programs() {
         let row: serde_json::Value = serde_json::from_str(line).unwrap();
         assert!(row["time"].is_string() && row["verdict"].is_string());
     }
+    for (item, name) in [("Frames as pcapng (Wireshark)…", "frames.pcapng"), ("Frames as text…", "frames.txt")] {
+        let path = folder.path().join(name);
+        save_to(&mut window, item, &path);
+        let frames = dcon_bench::capture::read_file(&path).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+        assert!(frames.len() >= records.len(), "{name}: {} of {}", frames.len(), records.len());
+    }
 }

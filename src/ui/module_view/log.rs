@@ -10,10 +10,11 @@ use rows::{Mode, Rows, What};
 
 use crate::bench::traffic::FrameRef;
 use crate::bench::{Bench, Entry, EntryKind, Module};
+use crate::capture;
 use crate::ui::app::Pass;
-use crate::ui::saving::SaveAs;
+use crate::ui::saving::{Contents, SaveAs};
 use crate::ui::tables::{
-    self, Act, Asked, Cell, Column, EventsFile, Form, FramesFile, Line, Scroll, Selection, Table, Wanted,
+    self, Act, Asked, CaptureFile, Cell, Column, EventsFile, Form, FramesFile, Line, Scroll, Selection, Table, Wanted,
 };
 use crate::ui::{theme, widgets, words};
 
@@ -81,6 +82,7 @@ impl Log {
                 Some(Asked::CopyChosen) => self.copy(ui, module, pass.bench, false),
                 Some(Asked::CopyAll) => self.copy(ui, module, pass.bench, true),
                 Some(Asked::Export(wanted, form)) => *pass.save = Some(self.export(module, pass.bench, wanted, form)),
+                Some(Asked::Capture(form)) => *pass.save = Some(self.capture(module, pass.bench, form)),
                 None => {}
             }
             let shown = self.rows.len();
@@ -180,21 +182,24 @@ impl Log {
     fn export(&self, module: &Module, bench: &Bench, wanted: Wanted, form: Form) -> SaveAs {
         let shown = || (0..self.rows.len()).filter_map(|row| self.rows.get(row)).map(|(_, what)| what);
         let events = || shown().filter_map(|what| if let What::Event(number) = what { Some(number) } else { None });
-        let frames = || shown().filter_map(|what| if let What::Frame(seq) = what { Some(seq) } else { None });
-        let (what, contents): (_, Box<dyn crate::ui::saving::Contents>) = match wanted {
+        let (what, contents): (_, Box<dyn Contents>) = match wanted {
             Wanted::Events => {
                 let entries: Vec<Entry> = events().filter_map(|number| rows::event(module, number).cloned()).collect();
                 ("events", Box::new(EventsFile::new(form, entries)))
             }
-            Wanted::Frames => ("frames", Box::new(FramesFile::new(form, frames()))),
+            Wanted::Frames => ("frames", Box::new(FramesFile::new(form, self.shown_frames()))),
         };
-        let (label, address) = (module.label().to_lowercase(), module.target.address);
-        let time = words::for_file(bench.now());
-        SaveAs {
-            title: format!("Export {what}"),
-            name: format!("{label}-{address}-{what}-{time}.{}", form.ending()),
-            contents,
-        }
+        save_as(module, bench, what, form.ending(), contents)
+    }
+
+    fn capture(&self, module: &Module, bench: &Bench, form: capture::Form) -> SaveAs {
+        let contents = CaptureFile::new(form, self.shown_frames());
+        save_as(module, bench, "frames", form.ending(), Box::new(contents))
+    }
+
+    fn shown_frames(&self) -> impl Iterator<Item = u64> {
+        let shown = (0..self.rows.len()).filter_map(|row| self.rows.get(row));
+        shown.filter_map(|(_, what)| if let What::Frame(seq) = what { Some(seq) } else { None })
     }
 
     fn nothing(&self, ui: &mut Ui) {
@@ -223,4 +228,10 @@ fn event_cells(entry: &Entry, mode: Mode, palette: &theme::Palette) -> Vec<Cell>
         cells.extend((0..3).map(|_| Cell::new("", palette.text)));
     }
     cells
+}
+
+fn save_as(module: &Module, bench: &Bench, what: &str, ending: &str, contents: Box<dyn Contents>) -> SaveAs {
+    let (label, address) = (module.label().to_lowercase(), module.target.address);
+    let time = words::for_file(bench.now());
+    SaveAs { title: format!("Export {what}"), name: format!("{label}-{address}-{what}-{time}.{ending}"), contents }
 }

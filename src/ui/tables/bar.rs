@@ -5,6 +5,7 @@ use eframe::egui::{Align, TextEdit, Ui};
 use super::export::Form;
 use super::grouped;
 use super::scroll::Scroll;
+use crate::capture;
 use crate::ui::{theme, widgets};
 
 /// Something that can be exported.
@@ -20,6 +21,8 @@ pub enum Asked {
     CopyChosen,
     CopyAll,
     Export(Wanted, Form),
+    /// Frames as a capture.
+    Capture(capture::Form),
 }
 
 /// Pause, Follow, Copy and Export; `files` are what can be exported.
@@ -53,8 +56,23 @@ pub fn controls(ui: &mut Ui, scroll: &mut Scroll, has_choice: bool, files: &[Wan
                     ui.close();
                 }
             }
+            if *wanted == Wanted::Frames {
+                asked = captures(ui).or(asked);
+            }
         }
     });
+    asked
+}
+
+/// The forms that other programs for captures read, and `dcon-bench replay`.
+fn captures(ui: &mut Ui) -> Option<Asked> {
+    let mut asked = None;
+    for form in capture::Form::ALL {
+        if ui.button(format!("Frames as {}…", form.label())).clicked() {
+            asked = Some(Asked::Capture(form));
+            ui.close();
+        }
+    }
     asked
 }
 

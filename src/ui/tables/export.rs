@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::bench::traffic::{FrameRef, append_csv, write_csv, write_json_lines};
 use crate::bench::{Bench, Entry};
+use crate::capture::{self, CaptureWriter};
 use crate::ui::saving::{Contents, Step};
 
 /// Frames or events put into the file at a time.
@@ -75,6 +76,50 @@ impl Contents for FramesFile {
 
     fn what(&self) -> String {
         plural(usize::try_from(self.written).unwrap_or(usize::MAX), "frame")
+    }
+}
+
+/// Frames of the line as a capture; those that are forgotten meanwhile are passed over.
+pub struct CaptureFile {
+    form: capture::Form,
+    seqs: Vec<u64>,
+    done: usize,
+    written: usize,
+    /// Begun with the first step.
+    writer: Option<CaptureWriter<Vec<u8>>>,
+}
+
+impl CaptureFile {
+    pub fn new(form: capture::Form, seqs: impl IntoIterator<Item = u64>) -> Self {
+        Self { form, seqs: seqs.into_iter().collect(), done: 0, written: 0, writer: None }
+    }
+}
+
+impl Contents for CaptureFile {
+    fn step(&mut self, bench: &Bench) -> io::Result<Step> {
+        let writer = match &mut self.writer {
+            Some(writer) => writer,
+            none => {
+                let line = bench.line().line().map(ToString::to_string).unwrap_or_default();
+                none.insert(CaptureWriter::new(self.form, Vec::new(), &line)?)
+            }
+        };
+        let end = self.done.saturating_add(AT_ONCE).min(self.seqs.len());
+        let seqs = self.seqs.get(self.done..end).unwrap_or_default();
+        for frame in seqs.iter().filter_map(|seq| bench.traffic().get(*seq)) {
+            writer.frame(&frame.to_frame())?;
+            self.written = self.written.saturating_add(1);
+        }
+        self.done = end;
+        Ok(Step { bytes: std::mem::take(writer.get_mut()), is_last: self.done >= self.seqs.len() })
+    }
+
+    fn part(&self) -> f32 {
+        self.done as f32 / self.seqs.len().max(1) as f32
+    }
+
+    fn what(&self) -> String {
+        plural(self.written, "frame")
     }
 }
 

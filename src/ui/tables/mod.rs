@@ -13,7 +13,7 @@ mod table;
 pub use bar::{Asked, Wanted, controls, count, search};
 pub use details::{frame as frame_details, text as text_details};
 pub use events::{event_text, kind_mark};
-pub use export::{EventsFile, Form, FramesFile};
+pub use export::{CaptureFile, EventsFile, Form, FramesFile};
 pub use follower::Follower;
 pub use frames::{as_text as frame_text, look as frame_look};
 pub use scroll::Scroll;

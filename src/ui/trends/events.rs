@@ -115,7 +115,8 @@ impl EventList {
                 Some(Asked::CopyChosen) => self.copy(ui, source, names, &shown, false),
                 Some(Asked::CopyAll) => self.copy(ui, source, names, &shown, true),
                 Some(Asked::Export(_, form)) => *pass.save = Some(self.export(source, pass, &shown, form)),
-                None => {}
+                // Of frames only.
+                Some(Asked::Capture(_)) | None => {}
             }
             ui.separator();
             tables::search(ui, &mut self.filter.text, "Search");
