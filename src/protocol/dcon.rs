@@ -64,9 +64,9 @@ pub fn encode(text: &str, with_checksum: bool) -> Vec<u8> {
     frame
 }
 
-/// Reads one answer; a trailing CR or LF is tolerated.
+/// Reads one answer; CR and LF around it are tolerated, other control characters are noise wherever they stand.
 pub fn decode(frame: &[u8], with_checksum: bool) -> Result<Answer, FrameError> {
-    let frame = frame.trim_ascii();
+    let frame = without_line_ends(frame);
     let Some(&delimiter) = frame.first() else { return Err(FrameError::Empty) };
     if !ANSWER_DELIMITERS.contains(&delimiter) {
         return Err(FrameError::Delimiter(delimiter));
@@ -81,6 +81,16 @@ pub fn decode(frame: &[u8], with_checksum: bool) -> Result<Answer, FrameError> {
         b'!' if text.is_empty() => Answer::Ignored,
         _ => Answer::Valid { delimiter: char::from(delimiter), text },
     })
+}
+
+fn without_line_ends(mut frame: &[u8]) -> &[u8] {
+    while let Some((&(CR | b'\n'), rest)) = frame.split_first() {
+        frame = rest;
+    }
+    while let Some((&(CR | b'\n'), rest)) = frame.split_last() {
+        frame = rest;
+    }
+    frame
 }
 
 fn strip_checksum(frame: &[u8]) -> Result<&[u8], FrameError> {
@@ -138,6 +148,13 @@ mod tests {
         assert_eq!(decode(b"?01", false), Ok(Answer::Refused { text: "01".into() }));
         assert_eq!(decode(b"!", false), Ok(Answer::Ignored));
         assert_eq!(decode(b"!21\r", true), Ok(Answer::Ignored));
+    }
+
+    #[test]
+    fn a_stray_control_character_behind_an_answer_is_not_taken_for_its_end() {
+        assert_eq!(decode(b"!\x0C\r", false), Err(FrameError::NotText(0x0C)));
+        assert_eq!(decode(b"!01\t\r\n", false), Err(FrameError::NotText(b'\t')));
+        assert_eq!(decode(b"\n!\r\n", false), Ok(Answer::Ignored));
     }
 
     #[test]
