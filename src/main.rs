@@ -4,23 +4,24 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use dcon_bench::cli::{self, Cli};
+use dcon_bench::sim::Fault;
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn")).init();
-    let Cli { demo, command } = Cli::parse();
+    let Cli { demo, fault, command } = Cli::parse();
     match command {
         Some(command) => cli::run(command),
-        None => window(demo),
+        None => window(demo, &fault),
     }
 }
 
 #[cfg(feature = "window")]
-fn window(demo: bool) -> ExitCode {
-    dcon_bench::ui::run(demo)
+fn window(demo: bool, faults: &[Fault]) -> ExitCode {
+    dcon_bench::ui::run(demo, faults)
 }
 
 #[cfg(not(feature = "window"))]
-fn window(_demo: bool) -> ExitCode {
+fn window(_demo: bool, _faults: &[Fault]) -> ExitCode {
     eprintln!("error: this program was built without its window – `dcon-bench --help` lists the commands");
     ExitCode::from(2)
 }

@@ -9,9 +9,10 @@ use jiff::Timestamp;
 use super::console::{RawCommand, Script};
 use super::observer::LIMITS;
 use super::{Bench, DEFAULT_INTERVAL, LineState, Module, RecordingId, ScanState, Severity};
-use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
+use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, Tuning};
 use crate::protocol::LineSettings;
 use crate::record::Destination;
+use crate::sim::Faults;
 
 /// What a user asks for.
 #[derive(Debug, Clone)]
@@ -24,6 +25,10 @@ pub enum Action {
         settings: LineSettings,
     },
     Disconnect,
+    /// How patient the line is from now on, and others that are opened later.
+    Tune(Tuning),
+    /// What goes wrong on the simulated line from now on.
+    SetFaults(Faults),
     /// Search a line for modules, opening it first if it is not open.
     Scan {
         line: LineAddress,
@@ -110,9 +115,11 @@ pub enum Simulated {
 impl Bench {
     pub fn apply(&mut self, action: Action) {
         match action {
-            Action::RefreshPorts => self.ports = ports(),
+            Action::RefreshPorts => self.refresh_ports(),
             Action::Connect { line, settings } => self.connect(line, settings),
             Action::Disconnect => self.disconnect(),
+            Action::Tune(tuning) => self.tune(tuning),
+            Action::SetFaults(faults) => self.set_faults(faults),
             Action::Scan { line, settings, plan } => self.start_scan(line, settings, plan),
             Action::PauseScan(paused) => self.send(BusCommand::PauseScan(paused)),
             Action::CancelScan => self.send(BusCommand::CancelScan),
@@ -209,6 +216,7 @@ impl Bench {
         self.settings = settings;
         self.changing_line = Some(id);
         self.line = LineState::Opening { line: line.clone() };
+        self.wanted_line = Some(line.clone());
         self.send(BusCommand::Open { id, line, settings });
     }
 

@@ -1,10 +1,8 @@
 //! Takes in what the bus tells.
 
-use super::{Bench, LineState, Module, Reading, ScanState, Severity, Statistics};
-use crate::bus::{BusEvent, LineAddress, RequestId, ScanSummary, Target};
+use super::{Bench, LineState, Module, ScanState, Severity, Statistics};
+use crate::bus::{BusEvent, RequestId, ScanSummary, Target};
 use crate::module::Identified;
-use crate::protocol::Failure;
-use crate::record::EventKind;
 
 /// Events taken in at once, so that a flood cannot hold up the window; the rest waits for the next frame.
 const MOST_AT_ONCE: usize = 2_000;
@@ -97,51 +95,6 @@ impl Bench {
             self.statistics = Statistics::default();
             self.line = LineState::Open { line };
         }
-    }
-
-    fn line_is_restored(&mut self, line: LineAddress) {
-        if self.line.line().is_some() {
-            self.note_line(EventKind::Found, format!("{line} is there again"));
-            self.notify(Severity::Info, format!("{line} is there again"));
-            self.line = LineState::Open { line };
-            // The poll that was interrupted has told what it had after the loss.
-            self.pause_all();
-            self.read_what_was_lost();
-        }
-    }
-
-    /// What could not be read because the line was gone is asked for again.
-    fn read_what_was_lost(&mut self) {
-        let lost = |module: &Module| -> Vec<String> {
-            let gone = |reading: &Reading| matches!(reading.problem, Some(Failure::LineLost(_)));
-            let readings = module.readings.iter().filter(|(_, reading)| gone(reading));
-            readings.map(|(id, _)| id.clone()).collect()
-        };
-        let all: Vec<_> = self.modules.iter().map(|module| (module.target, lost(module))).collect();
-        for (target, ids) in all {
-            self.read(target, ids);
-        }
-    }
-
-    fn line_is_lost(&mut self, reason: String) {
-        let Some(line) = self.line.line().cloned() else { return };
-        let text = if line.is_tcp() {
-            format!(
-                "{line} is gone ({reason}) – check the cable and the module's power; it is connected again by itself"
-            )
-        } else {
-            format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself")
-        };
-        self.notify(Severity::Error, text);
-        self.note_line(EventKind::Lost, format!("{line} is gone ({reason})"));
-        self.pause_all();
-        for module in &mut self.modules {
-            module.console.stop();
-            if let Some(host_ok) = &mut module.host_ok {
-                host_ok.problem = Some("the line is lost, so none is sent".to_owned());
-            }
-        }
-        self.line = LineState::Lost { line, reason };
     }
 
     /// A module found again keeps its history.

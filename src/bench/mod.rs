@@ -8,6 +8,7 @@ mod events;
 mod host_ok;
 mod init;
 mod journal;
+mod line;
 mod module;
 mod notice;
 pub mod objects;
@@ -31,6 +32,7 @@ pub use edits::{Edit, EditState, ItemState};
 pub use host_ok::{HOST_OK, HostOk};
 pub use init::{InitChange, InitProcedure, InitStep};
 pub use journal::{Entry, EntryKind, Journal};
+pub use line::LineState;
 pub use module::{Module, Presence, Reading};
 pub use notice::{Notice, Severity};
 pub use observer::{Observer, module_info, silence};
@@ -39,7 +41,7 @@ pub use switch_kind::SwitchKind;
 pub use tab_names::{tab_label, tab_place};
 use traffic::{FrameRef, TrafficLog};
 
-use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, ports};
+use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, Tuning, ports};
 use crate::module::{Catalogue, Explanation, FileError};
 use crate::protocol::LineSettings;
 use crate::record::{Destination, History, Viewer};
@@ -47,37 +49,6 @@ use crate::record::{Destination, History, Viewer};
 const NOTICES_KEPT: usize = 200;
 /// How often an opened module is polled unless told otherwise.
 pub const DEFAULT_INTERVAL: Duration = Duration::from_secs(1);
-
-/// What is known of the line.
-#[derive(Debug, Clone, Default)]
-pub enum LineState {
-    #[default]
-    Closed,
-    Opening {
-        line: LineAddress,
-    },
-    Open {
-        line: LineAddress,
-    },
-    /// The port vanished; it is taken up again when it returns.
-    Lost {
-        line: LineAddress,
-        reason: String,
-    },
-}
-
-impl LineState {
-    pub fn line(&self) -> Option<&LineAddress> {
-        match self {
-            Self::Closed => None,
-            Self::Opening { line } | Self::Open { line } | Self::Lost { line, .. } => Some(line),
-        }
-    }
-
-    pub fn is_open(&self) -> bool {
-        matches!(self, Self::Open { .. })
-    }
-}
 
 /// The scan under way, or how the last one ended.
 #[derive(Debug, Clone)]
@@ -91,7 +62,14 @@ pub struct Bench {
     bus: Bus,
     catalogue: Arc<Catalogue>,
     ports: Vec<PortInfo>,
+    /// What is to be known of adapters that have no port.
+    port_hints: Vec<String>,
     line: LineState,
+    /// The line that was asked for last, whether or not it is open.
+    wanted_line: Option<LineAddress>,
+    /// Lines that came back under another name, until the window has taken note.
+    renamed: Vec<(LineAddress, LineAddress)>,
+    tuning: Tuning,
     settings: LineSettings,
     /// The request that opens or closes the line, until it is answered; what comes before is of the line before.
     changing_line: Option<RequestId>,
@@ -126,7 +104,11 @@ impl Bench {
             bus,
             catalogue,
             ports: ports(),
+            port_hints: Vec::new(),
             line: LineState::default(),
+            wanted_line: None,
+            renamed: Vec::new(),
+            tuning: Tuning::default(),
             settings: LineSettings::default(),
             changing_line: None,
             scan: None,

@@ -33,6 +33,8 @@ use clap::{Parser, Subcommand};
 
 use stop::Stop;
 
+use crate::sim::Fault;
+
 /// The whole command line. Without a subcommand the window opens.
 #[derive(Debug, Parser)]
 #[command(
@@ -51,6 +53,10 @@ pub struct Cli {
     /// Open the window with a simulated line, so that everything can be tried without a module
     #[arg(long)]
     pub demo: bool,
+    /// Let the simulated line go wrong from the start, such as late=20% or echo; repeatable. `dcon-bench simulate --help`
+    /// lists the kinds
+    #[arg(long, value_name = "KIND[=STRENGTH]", requires = "demo")]
+    pub fault: Vec<Fault>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }

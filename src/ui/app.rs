@@ -9,6 +9,7 @@ use eframe::egui::{self, CentralPanel, Panel};
 use super::commands::{self, Command};
 use super::connect::Connect;
 use super::dialogs::Dialogs;
+use super::faults::FaultsPanel;
 use super::guard::{Confirm, Guard};
 use super::init_guide::InitGuide;
 use super::notices::Notices;
@@ -59,6 +60,8 @@ pub struct Pass<'a> {
     pub commands: &'a mut Vec<Command>,
     /// Set to show the poll plan.
     pub poll_plan: &'a mut bool,
+    /// Set to show the faults of the simulated line.
+    pub faults: &'a mut bool,
     /// The pane that the user works in: commands and keys are meant for it.
     pub active: Pane,
 }
@@ -74,6 +77,7 @@ pub struct App {
     dialogs: Dialogs,
     init_guide: InitGuide,
     poll_plan: PollPlan,
+    faults: FaultsPanel,
     recordings: Recordings,
     export_form: ExportForm,
     /// What was chosen before a demonstration, which is not to be remembered.
@@ -99,11 +103,13 @@ impl App {
             dialogs: Dialogs::default(),
             init_guide: InitGuide::default(),
             poll_plan: PollPlan::default(),
+            faults: FaultsPanel::default(),
             recordings: Recordings::default(),
             export_form: ExportForm::default(),
             line_before_demo: None,
             settings_file: None,
         };
+        app.bench.apply(Action::Tune(app.settings.tuning()));
         if demo {
             app.line_before_demo = Some(app.settings.line.clone());
             let action = app.connect.try_simulated(&mut app.settings);
@@ -216,12 +222,13 @@ impl App {
             dialogs,
             init_guide,
             poll_plan,
+            faults,
             recordings,
             export_form,
             ..
         } = self;
         let palette = theme::palette(ui);
-        let mut show_plan = false;
+        let (mut show_plan, mut show_faults) = (false, false);
         let (mut confirm, mut save, mut export, mut closing, mut commands) = (None, None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
             bench,
@@ -235,6 +242,7 @@ impl App {
             closing: &mut closing,
             commands: &mut commands,
             poll_plan: &mut show_plan,
+            faults: &mut show_faults,
             active: panes.active(),
         };
         commands::take_typed(ui.ctx(), pass.commands);
@@ -260,13 +268,15 @@ impl App {
         CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
         init_guide.show(ui.ctx(), &mut pass);
         poll_plan.show(ui.ctx(), &mut pass);
+        faults.show(ui.ctx(), &mut pass);
         dialogs.show(ui.ctx(), bench, pass.actions);
         pass.active = panes.active();
         for command in std::mem::take(pass.commands) {
             command.carry_out(ui.ctx(), &mut pass, panes);
             ui.ctx().request_repaint();
         }
-        poll_plan.open |= std::mem::take(&mut show_plan);
+        poll_plan.open |= show_plan;
+        faults.open |= show_faults;
         if let Some(save) = save {
             dialogs.ask_to_save(ui.ctx(), save);
         }
@@ -314,6 +324,10 @@ impl eframe::App for App {
         }
         for (from, to) in self.bench.take_moves() {
             self.panes.follow(from, to);
+        }
+        for (before, now) in self.bench.take_renamed() {
+            self.connect.follow(&now);
+            self.settings.follow_line(&before, &now);
         }
         if let LineState::Open { line } = self.bench.line() {
             self.settings.note_line(line);

@@ -5,6 +5,7 @@ use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, ViewportCommand, V
 
 use super::app::Pass;
 use super::connect::{self, Ready};
+use super::faults;
 use super::module_view;
 use super::panes::{Pane, Panes};
 use super::recording::Wish;
@@ -20,6 +21,7 @@ pub enum Command {
     PollAll,
     PauseAll,
     PollPlan,
+    Faults,
     ReadAgain,
     WriteAll,
     RevertAll,
@@ -47,7 +49,7 @@ pub enum Command {
 use Command::*;
 
 /// The menu's groups, in its order.
-pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll, PollPlan];
+pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll, PollPlan, Faults];
 pub const MODULE: &[Command] = &[ReadAgain, WriteAll, RevertAll, TogglePolling, NextTab, PreviousTab, Remove];
 pub const TABS: &[Command] = &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Beside, OwnWindow, ClosePane];
 pub const RECORDING: &[Command] = &[ToggleRecording, OpenRecording, ExportReadings];
@@ -83,6 +85,7 @@ impl Command {
             PollAll => "Poll all modules",
             PauseAll => "Pause all polling",
             PollPlan => "Poll plan…",
+            Faults => "Faults of the simulated line…",
             ReadAgain => "Read again",
             WriteAll => "Write all changes",
             RevertAll => "Revert all changes",
@@ -116,6 +119,7 @@ impl Command {
             CloseLine => "Gives the port free; the last values stay",
             PollAll => "Polls every module whose model is known",
             PauseAll => "Asks no module any more; the last values stay",
+            Faults => "Lets the simulated line go wrong, as real ones do",
             PollPlan => "Which modules are polled, how often, and what of each",
             ReadAgain => "Asks the module in view again for what its page shows",
             WriteAll => "Writes the changes of the module in view",
@@ -155,7 +159,7 @@ impl Command {
             PauseAll => shifted(Key::P),
             ReadAgain => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F5)),
             WriteAll => Some(module_view::WRITE_ALL),
-            RevertAll | TogglePolling | Remove | PollPlan => None,
+            RevertAll | TogglePolling | Remove | PollPlan | Faults => None,
             NextTab => ctrl(Modifiers::NONE, Key::PageDown),
             PreviousTab => ctrl(Modifiers::NONE, Key::PageUp),
             NextPane => ctrl(Modifiers::NONE, Key::Tab),
@@ -191,22 +195,29 @@ impl Command {
         let closed = matches!(pass.bench.line(), LineState::Closed);
         let unless = |possible: bool, reason: &str| (!possible).then(|| reason.to_owned());
         let known = in_view(pass.bench, pass.active).filter(|module| module.definition().is_some());
-        let line = || unless(!closed, "No line is open: scan to open it");
+        let line = || pass.bench.line().obstacle().map(str::to_owned);
+        let polls = || unless(!closed, "No line is open: scan to open it");
         let module = || unless(known.is_some(), "No known module is in view");
         match self {
             QuickScan | FullScan if pass.bench.is_scanning() => Some("A scan is running".to_owned()),
-            QuickScan | FullScan => pass.connect.line(pass.bench, pass.settings).err(),
+            QuickScan | FullScan => pass.connect.obstacle(pass.bench, pass.settings),
+            Faults => {
+                unless(faults::count(pass).is_some(), "Only the simulated line goes wrong at will: open it first")
+            }
             StopScan => unless(pass.bench.is_scanning(), "No scan is running"),
             CloseLine => unless(!closed, "No line is open"),
             PollAll => {
                 let mut all = pass.bench.modules().iter().filter(|module| module.definition().is_some()).peekable();
-                line()
+                polls()
                     .or_else(|| unless(all.peek().is_some(), "No module is known"))
                     .or_else(|| unless(all.any(|module| module.interval.is_none()), "All are polled already"))
             }
             PauseAll => unless(pass.bench.modules().iter().any(|module| module.interval.is_some()), "None is polled"),
-            ReadAgain | TogglePolling => module().or_else(line),
-            WriteAll => module().or_else(|| no_edits(known)).or_else(|| known.and_then(Module::unwritable)),
+            ReadAgain => module().or_else(line),
+            TogglePolling => module().or_else(polls),
+            WriteAll => {
+                module().or_else(|| no_edits(known)).or_else(line).or_else(|| known.and_then(Module::unwritable))
+            }
             RevertAll => module().or_else(|| no_edits(known)),
             NextTab | PreviousTab => module(),
             Remove => unless(in_view(pass.bench, pass.active).is_some(), "No module is in view"),
@@ -237,6 +248,7 @@ impl Command {
             (PollAll, _) => pass.actions.push(Action::PollAll(true)),
             (PauseAll, _) => pass.actions.push(Action::PollAll(false)),
             (PollPlan, _) => *pass.poll_plan = true,
+            (Faults, _) => *pass.faults = true,
             (ReadAgain, Some(module)) => panes.read_again(module.target),
             (WriteAll, Some(module)) => module_view::write_all(module, pass),
             (RevertAll, Some(module)) => pass.actions.push(Action::Revert(module.target, None)),

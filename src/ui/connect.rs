@@ -3,6 +3,7 @@
 use eframe::egui::{self, Align, RichText, TextEdit, Ui};
 
 use super::app::Pass;
+use super::faults;
 use super::scan_form::ScanForm;
 use super::settings::{self, LineChoice, RecentLine, Settings};
 use super::{theme, widgets, words};
@@ -45,6 +46,24 @@ impl Connect {
         }
     }
 
+    /// Why the chosen line cannot be scanned, if so.
+    pub fn obstacle(&self, bench: &Bench, settings: &Settings) -> Option<String> {
+        let line = match self.line(bench, settings) {
+            Ok(line) => line,
+            Err(reason) => return Some(reason),
+        };
+        let lost = bench.line().line().filter(|_| bench.line().is_lost());
+        let is_lost = lost.is_some_and(|lost| lost.to_string() == line.to_string());
+        bench.line().obstacle().filter(|_| is_lost).map(str::to_owned)
+    }
+
+    /// A line came back under the name of `line`.
+    pub fn follow(&mut self, line: &LineAddress) {
+        if matches!(line, LineAddress::Simulated { .. }) {
+            self.simulated = line.clone();
+        }
+    }
+
     /// Chooses the simulated line and scans it.
     pub fn try_simulated(&self, settings: &mut Settings) -> Action {
         settings.line = LineChoice::Simulated;
@@ -54,6 +73,9 @@ impl Connect {
 
     /// The action of scanning the chosen line, or why it cannot be scanned.
     pub fn scan(&self, bench: &Bench, settings: &Settings, plan: ScanPlan) -> Result<Action, String> {
+        if let Some(reason) = self.obstacle(bench, settings) {
+            return Err(reason);
+        }
         let line = self.line(bench, settings)?;
         Ok(Action::Scan { line, settings: settings.line_settings, plan })
     }
@@ -92,10 +114,10 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
 }
 
 /// The name of the chosen line, and what the system knows of it.
-fn chosen(bench: &Bench, settings: &Settings) -> String {
+fn chosen(connect: &Connect, bench: &Bench, settings: &Settings) -> String {
     let named = |port: &PortInfo| format!("{}   {}", port.name, port.description);
     match &settings.line {
-        LineChoice::Simulated => SIMULATED.to_owned(),
+        LineChoice::Simulated => connect.simulated.to_string(),
         LineChoice::Tcp => TCP.to_owned(),
         LineChoice::FirstPort => bench.ports().first().map_or_else(|| "No serial port".to_owned(), named),
         LineChoice::Port(name) => {
@@ -106,7 +128,7 @@ fn chosen(bench: &Bench, settings: &Settings) -> String {
 }
 
 fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
-    let text = chosen(pass.bench, pass.settings);
+    let text = chosen(pass.connect, pass.bench, pass.settings);
     // The list holds a field, so a click in it does not close it.
     let combo = widgets::combo("line", theme::LINE_BOX_WIDTH, text.trim_end())
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
@@ -128,6 +150,7 @@ fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
     if bench.ports().is_empty() {
         widgets::quiet(ui, "None – plug in an adapter and open this list again");
     }
+    hints(ui, bench);
     for port in bench.ports() {
         port_entry(ui, port, settings);
     }
@@ -135,6 +158,17 @@ fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
     widgets::section(ui, "Others");
     choice(ui, settings, LineChoice::Tcp, TCP);
     choice(ui, settings, LineChoice::Simulated, SIMULATED);
+}
+
+/// What is known of adapters that are plugged in but have no port, and what gives them one.
+pub fn hints(ui: &mut Ui, bench: &Bench) {
+    let palette = theme::palette(ui);
+    for hint in bench.port_hints() {
+        ui.horizontal_top(|ui| {
+            widgets::glyph(ui, widgets::Glyph::Outline, palette.warning);
+            ui.add(egui::Label::new(RichText::new(hint).color(palette.text)).wrap());
+        });
+    }
 }
 
 /// Lines that were opened before, without the ports that are listed below anyway.
@@ -185,9 +219,14 @@ fn port_entry(ui: &mut Ui, port: &PortInfo, settings: &mut Settings) {
         widgets::quiet(ui, &port.description);
         if let Some(problem) = &port.problem {
             widgets::glyph(ui, widgets::Glyph::Triangle, palette.warning);
-            ui.label(RichText::new(problem).color(palette.warning));
+            ui.label(RichText::new(short(problem)).color(palette.warning)).on_hover_text(problem);
         }
     });
+}
+
+/// What happened, without what to do about it.
+fn short(problem: &str) -> &str {
+    problem.split_once(" – ").map_or(problem, |(happened, _)| happened)
 }
 
 /// A port that the system does not list, such as a pseudo-terminal, by its name.
@@ -323,6 +362,7 @@ fn at_rest(ui: &mut Ui, pass: &mut Pass<'_>) {
     if !matches!(pass.bench.line(), LineState::Closed) && ui.button("Close line").clicked() {
         pass.actions.push(Action::Disconnect);
     }
+    faults::button(ui, pass);
     if let Some(ScanState::Ended(summary)) = pass.bench.scan() {
         let response = widgets::quiet(ui, &ended(summary));
         if !summary.unreadable.is_empty() {

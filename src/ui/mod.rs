@@ -11,6 +11,7 @@ mod dashboard;
 mod dashboard_table;
 mod dialogs;
 mod empty;
+mod faults;
 mod guard;
 mod init_guide;
 mod interval;
@@ -49,22 +50,30 @@ pub use settings::{LineChoice, Settings, SettingsFile, TemperatureUnit, ThemeCho
 use crate::bench::{Action, Bench, Severity};
 use crate::bus::{Bus, LineAddress};
 use crate::module::Catalogue;
+use crate::sim::{Fault, FaultError};
 
 const NAME: &str = "dcon-bench";
 /// What comes in from the bus within this time is shown together: thirty pictures a second are enough for an eye.
 const WAKE_AFTER: Duration = Duration::from_millis(33);
 
-/// Shows the window until it is closed.
-pub fn run(demo: bool) -> ExitCode {
+/// Shows the window until it is closed. The simulated line goes wrong with `faults` from the start.
+pub fn run(demo: bool, faults: &[Fault]) -> ExitCode {
     if !has_display() {
         eprintln!(
             "There is no display (neither DISPLAY nor WAYLAND_DISPLAY is set) – use the command line, see {NAME} --help"
         );
         return ExitCode::FAILURE;
     }
-    let outcome = show(demo, eframe::Renderer::Glow).or_else(|glow| {
+    let simulated = match simulated(faults) {
+        Ok(line) => line,
+        Err(reason) => {
+            eprintln!("{reason}");
+            return ExitCode::from(2);
+        }
+    };
+    let outcome = show(demo, &simulated, eframe::Renderer::Glow).or_else(|glow| {
         log::warn!("OpenGL cannot be used ({glow}), trying wgpu");
-        show(demo, eframe::Renderer::Wgpu).map_err(|wgpu| format!("OpenGL: {glow}; wgpu: {wgpu}"))
+        show(demo, &simulated, eframe::Renderer::Wgpu).map_err(|wgpu| format!("OpenGL: {glow}; wgpu: {wgpu}"))
     });
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -81,7 +90,18 @@ fn has_display() -> bool {
     !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY")
 }
 
-fn show(demo: bool, renderer: eframe::Renderer) -> eframe::Result {
+/// The simulated line of this run, with its faults.
+fn simulated(faults: &[Fault]) -> Result<LineAddress, FaultError> {
+    let line = LineAddress::demo();
+    if let LineAddress::Simulated { sim, .. } = &line {
+        let mut all = sim.faults();
+        faults.iter().try_for_each(|fault| all.set(*fault))?;
+        sim.set_faults(all);
+    }
+    Ok(line)
+}
+
+fn show(demo: bool, simulated: &LineAddress, renderer: eframe::Renderer) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title(NAME)
         .with_app_id(NAME)
@@ -89,10 +109,11 @@ fn show(demo: bool, renderer: eframe::Renderer) -> eframe::Result {
         .with_min_inner_size(theme::WINDOW_LEAST);
     let persistence_path = crate::folders::config().map(|folder| folder.join("window.ron"));
     let options = eframe::NativeOptions { viewport, renderer, persistence_path, ..eframe::NativeOptions::default() };
-    eframe::run_native(NAME, options, Box::new(move |creation| Ok(Box::new(start(creation, demo)?))))
+    let simulated = simulated.clone();
+    eframe::run_native(NAME, options, Box::new(move |creation| Ok(Box::new(start(creation, demo, simulated)?))))
 }
 
-fn start(creation: &eframe::CreationContext<'_>, demo: bool) -> std::io::Result<App> {
+fn start(creation: &eframe::CreationContext<'_>, demo: bool, simulated: LineAddress) -> std::io::Result<App> {
     let (catalogue, faulty) = match crate::folders::definitions() {
         Some(folder) => Catalogue::with_folder(&folder),
         None => Catalogue::built_in(),
@@ -104,7 +125,7 @@ fn start(creation: &eframe::CreationContext<'_>, demo: bool) -> std::io::Result<
     let mut bench = Bench::new(bus, catalogue, &faulty).with_wake(move || ctx.request_repaint_after(WAKE_AFTER));
     let settings::Opened { settings, file, warnings } = settings::open(crate::folders::config().as_deref());
     warnings.into_iter().for_each(|text| bench.apply(Action::Notify(Severity::Warning, text)));
-    let start = Start { simulated: LineAddress::demo(), demo, settings };
+    let start = Start { simulated, demo, settings };
     let app = App::new(&creation.egui_ctx, bench, start).keeping_settings_in(file);
     Ok(app.recording_in(crate::folders::recordings()))
 }

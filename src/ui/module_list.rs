@@ -65,6 +65,7 @@ pub fn state(module: &Module, line: &LineState, palette: &Palette) -> State {
     let (glyph, colour, word, short) = match &module.presence {
         _ if module.definition().is_none() => (Glyph::Dashes, palette.warning, "unknown model", "unknown"),
         _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed", "line closed"),
+        _ if line.is_lost() => (Glyph::Cross, palette.error, "line lost", "line lost"),
         Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost", "line lost"),
         Presence::Silent { .. } => (Glyph::Cross, palette.error, "silent", "silent"),
         Presence::Answering if module.attention().is_some() => {

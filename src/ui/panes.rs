@@ -466,9 +466,9 @@ fn absent(ui: &mut Ui, target: Target, pass: &mut Pass<'_>, wishes: &mut Vec<Wis
     let lines = [place.as_str(), "It shows here as soon as it is found: by a scan, or by asking there."];
     widgets::empty_state(ui, palette, "Not found on this line yet", &lines);
     ui.horizontal(|ui| {
-        let open = pass.bench.line().is_open();
-        let ask = ui.add_enabled(open, egui::Button::new("Ask there"));
-        if ask.on_disabled_hover_text("No line is open: scan to open it").clicked() {
+        let obstacle = pass.bench.line().obstacle();
+        let ask = ui.add_enabled(obstacle.is_none(), egui::Button::new("Ask there"));
+        if ask.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
             pass.actions.push(Action::LookFor(target));
         }
         if ui.button("Close").clicked() {

@@ -3,6 +3,7 @@
 use eframe::egui::{Align, Color32, Label, RichText, Ui, vec2};
 
 use super::app::Pass;
+use super::faults;
 use super::notices;
 use super::recording;
 use super::theme::{self, Palette};
@@ -17,6 +18,7 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
             ui.add_space(theme::GAP);
             facts(ui, pass.bench.statistics());
         }
+        faults::status(ui, pass);
         ui.add_space(theme::GAP);
         recording::section(ui, pass);
         widgets::at_right(ui, |ui| notices::newest(ui, pass));

@@ -1,15 +1,18 @@
 //! The real window on a simulated line.
 
 mod analog;
+mod bad_line;
 mod commands;
 mod configuration;
 mod dashboard;
 mod events;
+mod faults;
 mod form;
 mod general;
 mod harness;
 mod init;
 mod log;
+mod lost_line;
 mod panes;
 mod poll_plan;
 mod recording;

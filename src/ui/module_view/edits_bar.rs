@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
             widgets::quiet(ui, &format!("{init} in INIT mode, step by step"));
         }
         widgets::at_right(ui, |ui| {
-            let reason = module.unwritable();
+            let reason = module.unwritable().or_else(|| pass.bench.line().obstacle().map(str::to_owned));
             let shortcut = ui.ctx().format_shortcut(&WRITE_ALL);
             let button = ui.add_enabled(reason.is_none(), Button::new(format!("Write {count}")));
             let button = button.on_disabled_hover_text(reason.clone().unwrap_or_default()).on_hover_text(shortcut);

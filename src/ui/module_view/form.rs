@@ -85,9 +85,11 @@ fn place(access: &Access) -> Option<String> {
 
 /// What changes the item, as wide as told; text that only says it for an item that cannot be written.
 pub fn editor(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: f32) {
+    let is_old = pass.bench.line().is_lost() && module.edit(&item.id).is_none();
     if item.read_only {
         let text = module.known(&item.id).map_or_else(|| words::UNKNOWN.to_owned(), |value| item.bare_text(value));
-        let response = widgets::fixed(ui, width, Align::Min, &text);
+        let colour = if is_old { theme::palette(ui).old } else { ui.visuals().text_color() };
+        let response = widgets::fixed_coloured(ui, width, Align::Min, &text, colour);
         widgets::describe(&response, Role::Label, &format!("{} {text}", item.label));
         return;
     }
@@ -97,6 +99,10 @@ pub fn editor(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, wi
     let builder = UiBuilder::new().max_rect(cell).layout(Layout::left_to_right(Align::Center));
     let mut ui = ui.new_child(if busy { builder.disabled() } else { builder });
     let ui = &mut ui;
+    if is_old {
+        let old = theme::palette(ui).old;
+        ui.visuals_mut().override_text_color = Some(old);
+    }
     match &item.kind {
         Kind::Bool => switch(ui, module, pass, item),
         Kind::Choice(choices) => {
@@ -229,7 +235,9 @@ fn gave_up(ui: &Ui, response: &Response) -> bool {
 pub fn write(module: &Module, pass: &mut Pass<'_>, ids: &[String]) {
     let edited: Vec<String> =
         module.edited().into_iter().filter(|id| ids.iter().any(|wanted| wanted == id)).map(str::to_owned).collect();
-    if edited.is_empty() || edited.iter().any(|id| module.edit(id).is_some_and(|edit| edit.value.is_err())) {
+    let is_barred = pass.bench.line().obstacle().is_some();
+    if is_barred || edited.is_empty() || edited.iter().any(|id| module.edit(id).is_some_and(|edit| edit.value.is_err()))
+    {
         return;
     }
     let needs_init = |id: &String| module.item(id).is_some_and(|item| item.applies == Applies::Init);
@@ -288,9 +296,11 @@ pub fn state(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
     widgets::describe(&response, Role::Label, &format!("{}: {text}", item.label));
     response.on_hover_text(&text);
     if changed {
-        let writable = !matches!(state, ItemState::Invalid(_));
+        let obstacle = pass.bench.line().obstacle();
+        let writable = !matches!(state, ItemState::Invalid(_)) && obstacle.is_none();
         let word = if matches!(state, ItemState::Refused(_)) { "Retry" } else { "Write" };
         let button = ui.add_enabled(writable, Button::new(word)).on_hover_text("Enter");
+        let button = button.on_disabled_hover_text(obstacle.unwrap_or(&text));
         button.widget_info(|| WidgetInfo::labeled(Role::Button, writable, format!("{word} {}", item.label)));
         if button.clicked() {
             write(module, pass, std::slice::from_ref(&item.id));
@@ -338,12 +348,14 @@ fn state_words(
 pub fn action(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, id: &str) {
     let known = module.definition().and_then(|definition| definition.action(id));
     let Some(action) = known.filter(|action| action.is_offered(module.target.protocol)) else { return };
-    let busy = module.is_acting(id);
+    let obstacle = pass.bench.line().obstacle();
+    let busy = module.is_acting(id) || obstacle.is_some();
     let mut help = action.help.clone();
     if action.is_broadcast() {
         help.push_str("\nA broadcast: every module of the line hears it");
     }
     let response = ui.add_enabled(!busy, Button::new(&action.label)).on_hover_text(help);
+    let response = response.on_disabled_hover_text(obstacle.unwrap_or("It is being carried out"));
     if !response.clicked() {
         return;
     }

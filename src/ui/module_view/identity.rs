@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Head
             let closed = matches!(pass.bench.line(), LineState::Closed);
             pause_button(ui, module, closed, pass.actions, &header.polling);
             interval_selector(ui, module, pass.actions, &mut header.polling);
-            read_again(ui, module, closed, pass.actions, asks);
+            read_again(ui, module, pass.bench.line().obstacle(), pass.actions, asks);
         });
     });
 }
@@ -81,6 +81,7 @@ fn presence(ui: &mut Ui, module: &Module, line: &LineState, width: f32) {
     let palette = theme::palette(ui);
     let (glyph, colour, word) = match &module.presence {
         _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed".to_owned()),
+        _ if line.is_lost() => (Glyph::Cross, palette.error, "line lost".to_owned()),
         Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost".to_owned()),
         Presence::Silent { failure } => (Glyph::Cross, palette.error, failure.to_string()),
         Presence::Answering if module.interval.is_none() => (Glyph::Ring, palette.quiet, "polling paused".to_owned()),
@@ -123,12 +124,9 @@ fn pause_button(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Ac
 }
 
 /// Reads what the present tab shows once more. F5 does the same, for the tab that is worked in.
-fn read_again(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Action>, asks: Vec<String>) {
-    let reason = match closed {
-        true => "No line is open: scan to open it again",
-        false => "Nothing on this tab is read on request",
-    };
-    let enabled = !closed && !asks.is_empty();
+fn read_again(ui: &mut Ui, module: &Module, obstacle: Option<&str>, actions: &mut Vec<Action>, asks: Vec<String>) {
+    let reason = obstacle.unwrap_or("Nothing on this tab is read on request");
+    let enabled = obstacle.is_none() && !asks.is_empty();
     let button = egui::Button::new("Read again").min_size(egui::vec2(theme::READ_WIDTH, theme::CONTROL_HEIGHT));
     let response = ui.add_enabled(enabled, button);
     let response = response.on_hover_text("Reads what this tab shows once more (F5)").on_disabled_hover_text(reason);

@@ -57,7 +57,13 @@ fn contents(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         let known = module.definition().and_then(|definition| definition.action("clear_watchdog"));
         if known.is_some_and(|action| action.is_offered(module.target.protocol)) {
             let help = "Clears the watchdog, so that the relays can be switched again";
-            if button(ui, "Clear", "Clear tripped watchdog", help, !module.is_acting("clear_watchdog")) {
+            if button(
+                ui,
+                "Clear",
+                "Clear tripped watchdog",
+                help,
+                !module.is_acting("clear_watchdog") && pass.bench.line().obstacle().is_none(),
+            ) {
                 pass.actions.push(Action::Act(module.target, "clear_watchdog".to_owned()));
             }
         }

@@ -1,8 +1,10 @@
 //! The menu: every command with its keys, and how the window looks.
 
-use eframe::egui::{self, Button, Layout, Role, Ui, WidgetInfo, vec2};
+use eframe::egui::{self, Button, DragValue, Layout, Response, Role, Ui, WidgetInfo, vec2};
 
-use super::{TemperatureUnit, ThemeChoice, ZOOMS};
+use super::{TemperatureUnit, ThemeChoice, ZOOMS, milliseconds};
+use crate::bench::Action;
+use crate::bus::Tuning;
 use crate::ui::app::Pass;
 use crate::ui::commands::{self, Command};
 use crate::ui::{theme, widgets};
@@ -26,6 +28,8 @@ pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
                 group(ui, pass, "Tabs", commands::TABS);
                 ui.add_space(theme::GAP);
                 looks(ui, pass);
+                ui.add_space(theme::GAP);
+                patience(ui, pass);
                 ui.add_space(theme::GAP);
                 group(ui, pass, "Program", commands::PROGRAM);
             });
@@ -80,6 +84,40 @@ fn looks(ui: &mut Ui, pass: &mut Pass<'_>) {
     });
     let size = format!("Size  {:.0} %", ui.ctx().zoom_factor() * 100.0);
     group(ui, pass, &size, commands::SIZE);
+}
+
+/// How long answers are waited for, and how often a read is asked again.
+fn patience(ui: &mut Ui, pass: &mut Pass<'_>) {
+    widgets::section(ui, "Waiting for answers");
+    let before = pass.settings.tuning();
+    ui.horizontal(|ui| {
+        // In a menu buttons have no ground, but these are fields.
+        let ground = theme::palette(ui).raised;
+        ui.visuals_mut().widgets.inactive.weak_bg_fill = ground;
+        let timeouts = milliseconds(*Tuning::TIMEOUTS.start())..=milliseconds(*Tuning::TIMEOUTS.end());
+        widgets::quiet(ui, "Timeout");
+        let field = DragValue::new(&mut pass.settings.timeout_ms).range(timeouts).speed(2.0).suffix(" ms");
+        let response = ui.add(field).on_hover_text(
+            "From the end of a request to the first byte of its answer. Slow adapters, hubs and networks need more; with \
+             more, a silent module costs more time",
+        );
+        name_number(&response, "Timeout", pass.settings.timeout_ms.into());
+        ui.add_space(theme::GAP);
+        widgets::quiet(ui, "Repeats");
+        let field = DragValue::new(&mut pass.settings.repeats).range(Tuning::REPEATS).speed(0.05);
+        let response = ui.add(field).on_hover_text(
+            "A read is asked again so often when no usable answer came; writes never are. 0 shows every fault of the line",
+        );
+        name_number(&response, "Repeats", pass.settings.repeats.into());
+    });
+    let tuning = pass.settings.tuning();
+    if tuning != before {
+        pass.actions.push(Action::Tune(tuning));
+    }
+}
+
+fn name_number(response: &Response, name: &str, value: f64) {
+    response.widget_info(|| WidgetInfo { value: Some(value), ..WidgetInfo::labeled(Role::SpinButton, true, name) });
 }
 
 /// Makes everything larger by so many steps, or smaller.

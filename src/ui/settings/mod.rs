@@ -9,6 +9,7 @@ mod table;
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 use eframe::egui::{self, ThemePreference};
 use serde::{Deserialize, Serialize, Serializer};
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize, Serializer};
 pub use file::{Opened, SettingsFile, open};
 pub use menu::{menu, zoom_by};
 
-use crate::bus::{LineAddress, MODBUS_TCP_PORT};
+use crate::bus::{LineAddress, MODBUS_TCP_PORT, Tuning};
 use crate::protocol::LineSettings;
 use crate::record::Keeping;
 
@@ -140,6 +141,10 @@ pub struct Settings {
     pub recording_total_megabytes: u32,
     /// Days after which a file is removed. 0 keeps all.
     pub recording_days: u32,
+    /// How long an answer is waited for.
+    pub timeout_ms: u32,
+    /// How often a read is asked again.
+    pub repeats: u8,
 }
 
 impl Default for Settings {
@@ -168,6 +173,8 @@ impl Default for Settings {
             recording_file_megabytes: 1_000,
             recording_total_megabytes: 10_000,
             recording_days: 0,
+            timeout_ms: milliseconds(Tuning::default().timeout),
+            repeats: Tuning::default().repeats,
         }
     }
 }
@@ -187,6 +194,7 @@ impl Settings {
             self.span = DEFAULT_SPAN;
         }
         self.make_keeping_valid(warnings);
+        self.make_tuning_valid(warnings);
         tidy(&mut self.trend_series, TREND_SERIES);
         tidy(&mut self.recent_ports, RECENT_PORTS);
         tidy(&mut self.recent_scripts, SCRIPTS);
@@ -207,6 +215,38 @@ impl Settings {
             self.recording_total_megabytes = self.recording_file_megabytes;
             let used = self.recording_total_megabytes;
             warnings.push(format!("recording_total_megabytes is {total}, less than one file – {used} is used"));
+        }
+    }
+
+    fn make_tuning_valid(&mut self, warnings: &mut Vec<String>) {
+        let nearest = self.tuning().within_limits();
+        let timeout = milliseconds(nearest.timeout);
+        if timeout != self.timeout_ms {
+            let (least, most) = (milliseconds(*Tuning::TIMEOUTS.start()), milliseconds(*Tuning::TIMEOUTS.end()));
+            let text = format!("timeout_ms is {}, not within {least} to {most} – {timeout} is used", self.timeout_ms);
+            warnings.push(text);
+            self.timeout_ms = timeout;
+        }
+        if nearest.repeats != self.repeats {
+            let (most, used) = (Tuning::REPEATS.end(), nearest.repeats);
+            warnings.push(format!("repeats is {}, more than {most} – {used} is used", self.repeats));
+            self.repeats = used;
+        }
+    }
+
+    /// How patient lines are.
+    pub fn tuning(&self) -> Tuning {
+        Tuning { timeout: Duration::from_millis(self.timeout_ms.into()), repeats: self.repeats }
+    }
+
+    /// The line `before` is there under another name now; who stands at it goes along.
+    pub fn follow_line(&mut self, before: &LineAddress, now: &LineAddress) {
+        if let (LineAddress::Serial { port: before }, LineAddress::Serial { port: now }) = (before, now)
+            && self.line != LineChoice::Tcp
+            && self.line != LineChoice::Simulated
+            && !matches!(&self.line, LineChoice::Port(chosen) if chosen != before)
+        {
+            self.line = LineChoice::Port(now.clone());
         }
     }
 
@@ -277,6 +317,10 @@ fn host_text(host: &str, port: u16) -> String {
     }
 }
 
+fn milliseconds(time: Duration) -> u32 {
+    u32::try_from(time.as_millis()).unwrap_or(u32::MAX)
+}
+
 fn put_first(list: &mut Vec<String>, entry: String, limit: usize) {
     if list.first() == Some(&entry) {
         return;
@@ -329,6 +373,35 @@ mod tests {
         assert_eq!(keeping, Keeping { file_size: 1_000_000_000, total_size: Some(10_000_000_000), days: None });
         let all = Settings { recording_total_megabytes: 0, recording_days: 30, ..Settings::default() }.keeping();
         assert_eq!((all.total_size, all.days), (None, Some(30)));
+    }
+
+    #[test]
+    fn a_timeout_and_repeats_out_of_range_become_the_nearest_and_are_named() {
+        let mut settings = Settings { timeout_ms: 1, repeats: 200, ..Settings::default() };
+        let mut warnings = Vec::new();
+        settings.make_valid(&mut warnings);
+        assert_eq!((settings.timeout_ms, settings.repeats), (20, 5));
+        assert!(
+            warnings[0].starts_with("timeout_ms is 1,") && warnings[1].starts_with("repeats is 200,"),
+            "{warnings:?}"
+        );
+        assert_eq!(Settings::default().tuning(), Tuning::default());
+    }
+
+    #[test]
+    fn a_line_that_came_back_under_another_name_is_the_chosen_one_if_it_was_before() {
+        let line = |name: &str| LineAddress::Serial { port: name.to_owned() };
+        let follow = |choice: LineChoice| {
+            let mut settings = Settings { line: choice, ..Settings::default() };
+            settings.follow_line(&line("COM3"), &line("COM7"));
+            settings.line
+        };
+        let port = |name: &str| LineChoice::Port(name.to_owned());
+        assert_eq!(follow(port("COM3")), port("COM7"));
+        assert_eq!(follow(LineChoice::FirstPort), port("COM7"));
+        for other in [port("COM4"), LineChoice::Tcp, LineChoice::Simulated] {
+            assert_eq!(follow(other.clone()), other);
+        }
     }
 
     #[test]

@@ -156,6 +156,8 @@ mod tests {
             recording_file_megabytes: 50,
             recording_total_megabytes: 5_000,
             recording_days: 30,
+            timeout_ms: 350,
+            repeats: 1,
         }
     }
 

@@ -73,6 +73,10 @@ pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
 pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
 /// Height of the list of modules in the poll plan.
 pub const PLAN_HEIGHT: f32 = 90.0 * UNIT;
+/// The panel of faults, and two of its columns.
+pub const FAULTS_WIDTH: f32 = 92.0 * UNIT;
+pub const FAULT_STRENGTH: f32 = 20.0 * UNIT;
+pub const FAULT_COUNT: f32 = 14.0 * UNIT;
 pub const INTERVAL_WIDTH: f32 = 48.0 * UNIT;
 pub const POLLING_WIDTH: f32 = 28.0 * UNIT;
 /// Width of text that is read, not glanced at.

@@ -166,6 +166,9 @@ fn tick_box(ui: &Ui, rect: Rect, colour: Option<Color32>) {
 /// Whether the live value is older than its polls are apart; a setting is not polled and does not grow old.
 fn is_old(bench: &Bench, curve: &Curve<'_>, at: Option<f64>) -> bool {
     let Some(at) = at.filter(|_| !curve.is_setting()) else { return false };
+    if bench.line().is_lost() {
+        return true;
+    }
     let module = bench.modules().iter().find(|module| module.history_id() == Some(curve.info.module));
     let interval = module.and_then(|module: &Module| module.interval).unwrap_or_default().as_secs_f64();
     words::seconds(bench.now()) - at > OLD_AFTER * interval.max(1.0)

@@ -66,10 +66,12 @@ fn on_request(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
     let value = room - theme::READ_AND_CLEAR - theme::GAP;
     let response = widgets::fixed(ui, value, Align::Min, &text);
     widgets::describe(&response, Role::Label, &format!("{} {text}", item.label));
-    let idle = !module.is_being_read(&item.id);
+    let obstacle = pass.bench.line().obstacle();
+    let idle = !module.is_being_read(&item.id) && obstacle.is_none();
     let button = Button::new("Read and clear").min_size(vec2(theme::READ_AND_CLEAR, theme::CONTROL_HEIGHT));
     let response = ui.add_enabled(idle, button);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, idle, format!("Read {}", item.label)));
+    let response = response.on_disabled_hover_text(obstacle.unwrap_or("It is being read"));
     if response
         .on_hover_text("Reading clears it: the next answer is no until the module is switched on again")
         .clicked()
@@ -116,11 +118,12 @@ fn init_note(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
 fn change_in_init(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
     let edited = module.edited_for_init();
     let wrong = edited.iter().any(|id| module.edit(id).is_some_and(|edit| edit.value.is_err()));
+    let obstacle = pass.bench.line().obstacle();
     let button = Button::new("Change in INIT mode…").min_size(vec2(theme::CHANGE_IN_INIT, theme::CONTROL_HEIGHT));
     let response = ui
-        .add_enabled(!wrong, button)
+        .add_enabled(!wrong && obstacle.is_none(), button)
         .on_hover_text("Step by step: INIT mode on, power, write, INIT mode off, power, find the module again")
-        .on_disabled_hover_text("One of these values is not allowed");
+        .on_disabled_hover_text(obstacle.unwrap_or("One of these values is not allowed"));
     if response.clicked() {
         pass.actions.push(Action::BeginInit(module.target));
     }

@@ -26,6 +26,8 @@ enum Barred {
     /// It follows this source.
     Source(String),
     Busy,
+    /// Nothing can be written at present, for this reason.
+    Line(&'static str),
 }
 
 /// The relays side by side, and below them what frees all of them.
@@ -49,7 +51,7 @@ fn relay(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, series: &Series<'_>)
         ui.new_child(UiBuilder::new().id_salt(&series.item.id).max_rect(rect.shrink(theme::GAP)).layout(layout));
     let ui = &mut ui;
     let item = series.item;
-    let barred = barred(module, item);
+    let barred = barred(module, item).or_else(|| pass.bench.line().obstacle().map(Barred::Line));
     heading(ui, module, series, pass, palette);
     ui.horizontal(|ui| {
         // A switch that was refused stands where the module says it does.
@@ -210,6 +212,7 @@ fn reason(ui: &mut Ui, module: &Module, item: &Item, barred: Option<&Barred>) {
     let (colour, text) = match (barred, module.state(&item.id)) {
         (_, ItemState::BeingWritten) => (palette.accent, "being written".to_owned()),
         (_, ItemState::Refused(reason)) => (palette.error, format!("Not switched: {reason}")),
+        (Some(Barred::Line(reason)), _) => (palette.quiet, (*reason).to_owned()),
         (_, ItemState::Unreadable(failure)) => (palette.error, failure.to_string()),
         (Some(Barred::ReadOnly(how)), _) => (palette.quiet, how.clone()),
         (Some(Barred::Tripped), _) => {
@@ -243,7 +246,8 @@ fn way_out(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, barre
     let busy = module.edit(&source.id).is_some_and(|edit| matches!(edit.state, EditState::Writing(_)));
     let help = format!("Sets {} to command and writes it at once", source.label);
     let name = format!("Let commands switch {}", item.label);
-    if named(ui, !busy, "Let commands switch it", &name, &help) {
+    let possible = !busy && pass.bench.line().obstacle().is_none();
+    if named(ui, possible, "Let commands switch it", &name, &help) {
         pass.actions.push(Action::Set(module.target, source.id.clone(), COMMAND.to_owned()));
     }
 }

@@ -84,13 +84,16 @@ impl Period {
         chosen: &Result<Duration, String>,
         entered: bool,
     ) {
-        let reason = chosen.as_ref().err().cloned().unwrap_or_default();
+        let obstacle = pass.bench.line().obstacle();
+        let reason = obstacle.map(str::to_owned).or_else(|| chosen.as_ref().err().cloned());
+        let possible = reason.is_none();
         let running = module.host_ok.as_ref().map(|host_ok| host_ok.period);
         let other = chosen.as_ref().is_ok_and(|chosen| running.is_some_and(|running| !same(*chosen, running)));
         if running.is_none() || other || chosen.is_err() {
             let word = if running.is_some() { "Use this period" } else { "Start Host OK" };
-            let button = ui.add_enabled(chosen.is_ok(), Button::new(word)).on_disabled_hover_text(reason);
-            if let (true, Ok(period)) = (button.clicked() || entered, chosen) {
+            let button = ui.add_enabled(possible, Button::new(word));
+            let button = button.on_disabled_hover_text(reason.unwrap_or_default());
+            if let (true, Ok(period)) = (button.clicked() || entered && possible, chosen) {
                 pass.actions.push(Action::StartHostOk(module.target, *period));
                 self.typed = None;
             }

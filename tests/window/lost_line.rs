@@ -1,0 +1,153 @@
+//! An adapter that is pulled and comes back: what was known stays, greyed, and everything goes on by itself.
+
+use dcon_bench::bench::{Action, Bench, LineState};
+use dcon_bench::bus::{Bus, BusEvent, LineAddress, RequestId};
+use dcon_bench::module::Catalogue;
+use dcon_bench::protocol::LineSettings;
+use dcon_bench::sim::Pace;
+use dcon_bench::ui::{App, LineChoice, Settings, Start};
+use eframe::egui::accesskit::Role;
+use eframe::egui::vec2;
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use crate::harness::*;
+
+const MODULE: &str = "PIR-234, address 1";
+
+fn is_lost(window: &Window) -> bool {
+    window.state().bench().line().is_lost()
+}
+
+fn is_disabled(window: &Window, role: Role, label: &str) -> bool {
+    window.query_by_role_and_label(role, label).is_some_and(|node| node.accesskit_node().is_disabled())
+}
+
+fn told(bench: &Bench, text: &str) -> bool {
+    bench.notices().any(|notice| notice.text == text)
+}
+
+/// The module is open and says 21.5 °C.
+fn shown(sim: &dcon_bench::sim::Sim) -> Window {
+    let mut window = window(sim);
+    sim.set_temperature(1, 21.5);
+    open(&mut window, MODULE);
+    until(&mut window, "a value", |window| reading(window, "Temperature").as_deref() == Some("21.50 °C"));
+    window
+}
+
+#[test]
+fn the_last_values_stay_as_old_ones_at_once_and_are_fresh_after_the_return() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600", "pir-130@0xA0:modbus_rtu:9600"], Pace::Skip);
+    let mut window = shown(&sim);
+    sim.unplug();
+    until(&mut window, "the loss", is_lost);
+    window.step();
+    let temperature = reading(&window, "Temperature").unwrap();
+    assert!(temperature.starts_with("21.50 °C, ") && temperature.ends_with(" old"), "{temperature}");
+    assert!(shows(&window, "Simulated line lost"));
+    assert!(shows(&window, "line lost"));
+    sim.set_temperature(1, -7.25);
+    sim.plug();
+    until(&mut window, "it goes on", |window| reading(window, "Temperature").as_deref() == Some("-7.25 °C"));
+    assert!(!shows(&window, "line lost"));
+    assert!(told(window.state().bench(), "Simulated line is there again"));
+}
+
+#[test]
+fn a_module_that_was_not_polled_is_lost_too_and_is_not_called_silent_afterwards() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = shown(&sim);
+    click(&mut window, Role::Button, "Pause polling");
+    sim.unplug();
+    until(&mut window, "the loss", is_lost);
+    until(&mut window, "it is said", |window| shows(window, "line lost"));
+    assert!(reading(&window, "Temperature").unwrap().ends_with(" old"));
+    sim.set_temperature(1, 3.0);
+    sim.plug();
+    until(&mut window, "the return", |window| window.state().bench().line().is_open());
+    until(&mut window, "what was lost is read once", |window| {
+        reading(window, "Temperature").is_some_and(|text| text.starts_with("3.00 °C"))
+    });
+    assert!(!shows(&window, "line lost"));
+}
+
+#[test]
+fn what_needs_the_line_is_disabled_while_it_is_lost_and_polling_is_not() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = shown(&sim);
+    let target = window.state().bench().modules()[0].target;
+    until(&mut window, "the offset is read", |window| {
+        window.state().bench().module(&target).unwrap().known("temperature_offset").is_some()
+    });
+    window.state_mut().apply(Action::Stage(target, "temperature_offset".to_owned(), "1.5".to_owned()));
+    sim.unplug();
+    until(&mut window, "the loss", is_lost);
+    window.step();
+    for label in ["Scan", "Read again", "Write 1", "Clear alarm"] {
+        assert!(is_disabled(&window, Role::Button, label), "{label}");
+    }
+    for label in ["Close line", "Pause polling", "Revert all"] {
+        assert!(!is_disabled(&window, Role::Button, label), "{label}");
+    }
+    sim.plug();
+    until(&mut window, "the return", |window| window.state().bench().line().is_open());
+    click(&mut window, Role::Button, "Write 1");
+    until(&mut window, "it is written", |window| window.state().bench().module(&target).unwrap().edits.is_empty());
+    assert_eq!(sim.setting(1, "temperature_offset").as_deref(), Some("1.50"));
+}
+
+#[test]
+fn the_trend_has_a_gap_where_the_line_was_lost() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = shown(&sim);
+    let gaps = |window: &Window| {
+        let bench = window.state().bench();
+        let trend = bench.modules()[0].trend(bench.history(), "temperature_c").unwrap();
+        let columns = trend.blocks().iter().filter_map(|block| block.samples.as_ref());
+        columns.flat_map(|columns| columns.iter()).filter(|sample| sample.gap).count()
+    };
+    let before = gaps(&window);
+    sim.unplug();
+    until(&mut window, "the loss", is_lost);
+    sim.plug();
+    until(&mut window, "fresh again", |window| reading(window, "Temperature").as_deref() == Some("21.50 °C"));
+    assert!(gaps(&window) > before);
+}
+
+/// A window whose bus is played by the test, on an open port.
+fn on_port(name: &str) -> (Harness<'static, App>, impl Fn(&mut Harness<'static, App>, BusEvent)) {
+    let (bus, commands, _events) = Bus::detached();
+    let settings = Settings { line: LineChoice::Port(name.to_owned()), ..Settings::default() };
+    let mut window = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
+        let (catalogue, _) = Catalogue::built_in();
+        let bench = Bench::new(bus, catalogue.into(), &[]);
+        App::new(&creation.egui_ctx, bench, Start { simulated: LineAddress::demo(), demo: false, settings })
+    });
+    let line = LineAddress::Serial { port: name.to_owned() };
+    window.state_mut().apply(Action::Connect { line, settings: LineSettings::default() });
+    window.state_mut().take(BusEvent::Opened { id: RequestId(1), line: name.to_owned() });
+    window.step();
+    let tell = move |window: &mut Harness<'static, App>, event| {
+        let _held_open = &commands;
+        window.state_mut().take(event);
+        window.step();
+        window.step();
+    };
+    (window, tell)
+}
+
+#[test]
+fn an_adapter_that_returns_under_another_name_is_the_line_from_then_on() {
+    let (mut window, tell) = on_port("/dev/ttyUSB0");
+    assert!(matches!(window.state().bench().line(), LineState::Open { .. }));
+    tell(&mut window, BusEvent::LineLost { reason: "it was unplugged".to_owned() });
+    assert!(shows(&window, "/dev/ttyUSB0 lost"));
+    let line = LineAddress::Serial { port: "/dev/ttyUSB1".to_owned() };
+    tell(&mut window, BusEvent::LineRestored { line });
+    assert!(shows(&window, "/dev/ttyUSB1 open"));
+    assert!(told(window.state().bench(), "/dev/ttyUSB0 is there again as /dev/ttyUSB1"));
+    let settings = window.state().settings();
+    assert_eq!(settings.line, LineChoice::Port("/dev/ttyUSB1".to_owned()));
+    assert_eq!(settings.recent_ports, ["/dev/ttyUSB1", "/dev/ttyUSB0"]);
+}
