@@ -2,7 +2,7 @@
 //! wrong.
 
 use super::{Bench, Module, Presence, Reading, Severity};
-use crate::bus::{BusCommand, LineAddress, Tuning, ports};
+use crate::bus::{BusCommand, LineAddress, Tuning, adapters_without_port, ports};
 use crate::protocol::Failure;
 use crate::record::EventKind;
 use crate::sim::{Faults, Injected, Sim};
@@ -103,7 +103,7 @@ impl Bench {
 
     pub(super) fn refresh_ports(&mut self) {
         self.ports = ports();
-        self.port_hints = Vec::new();
+        self.port_hints = adapters_without_port().iter().map(ToString::to_string).collect();
     }
 
     pub(super) fn line_is_restored(&mut self, line: LineAddress) {

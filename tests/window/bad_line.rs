@@ -29,7 +29,7 @@ fn polled() -> (Sim, Window) {
     let mut window = window(&sim);
     open(&mut window, "PIR-234, address 1");
     window.state_mut().apply(Action::PollAll(true));
-    until(&mut window, "all are read", |window| all_fresh(window));
+    until(&mut window, "all are read", all_fresh);
     (sim, window)
 }
 

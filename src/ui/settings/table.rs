@@ -176,7 +176,7 @@ mod tests {
         let mut right = Table::new();
         overlay(&mut right, None, &all_different()).unwrap();
         let keys: Vec<String> = right.keys().filter(|key| *key != VERSION_KEY).cloned().collect();
-        assert_eq!(keys.len(), 22);
+        assert_eq!(keys.len(), 24);
         for wrong in keys {
             let mut table = right.clone();
             let is_switch = right[&wrong].is_bool();
