@@ -348,7 +348,7 @@ fn watch_goes_on_while_the_module_is_silent() {
     watch.child.kill().unwrap();
     let reasons: Vec<String> =
         BufReader::new(watch.child.stderr.take().unwrap()).lines().map_while(Result::ok).collect();
-    assert!(reasons.iter().any(|reason| reason.ends_with("  no answer")), "{reasons:?}");
+    assert!(reasons.iter().any(|reason| reason.ends_with("no answer")), "{reasons:?}");
     assert!(reasons.iter().any(|reason| reason.ends_with("  everything answers again")), "{reasons:?}");
 }
 
