@@ -73,22 +73,16 @@ impl SimLine {
         }
     }
 
-    /// Bytes follow each other at the speed of the line from `start` on, behind those that occupy it then.
+    /// Bytes follow each other at the speed of the line from `start` on, behind all that is under way: modules and
+    /// adapters that are late keep the order.
     fn expect(&mut self, start: Instant, bytes: &[u8]) {
-        let character = self.settings.wire_time(1);
-        let time = self.settings.wire_time(bytes.len());
-        let start = self.incoming.iter().fold(start, |start, &(arrival, _)| {
-            let end = start.checked_add(time).unwrap_or(start);
-            let begins = arrival.checked_sub(character).unwrap_or(arrival);
-            if arrival > start && begins < end { arrival } else { start }
-        });
+        let start = self.incoming.back().map_or(start, |&(last, _)| start.max(last));
         let arrivals = bytes.iter().enumerate().map(|(index, &byte)| {
             let time = self.settings.wire_time(index.saturating_add(1));
             (start.checked_add(time).unwrap_or(start), byte)
         });
         let room = MOST_INCOMING.saturating_sub(self.incoming.len());
         self.incoming.extend(arrivals.take(room));
-        self.incoming.make_contiguous().sort_by_key(|&(arrival, _)| arrival);
     }
 
     /// What comes back of a request that takes from `start` to `end`, among what is still under way. Late bytes that

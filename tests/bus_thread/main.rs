@@ -1,5 +1,6 @@
 //! The bus thread from outside: commands in, events out, on simulated lines.
 
+mod faults;
 mod harness;
 mod line;
 mod network;

@@ -223,7 +223,9 @@ impl Talk {
         Ok(())
     }
 
+    /// Behind all that is under way: modules and adapters that are late keep the order.
     fn say(&mut self, start: Instant, settings: LineSettings, bytes: &[u8]) {
+        let start = self.outgoing.back().map_or(start, |&(last, _)| start.max(last));
         let mut sent = 0_usize;
         for lump in bytes.chunks(FIFO_TRIGGER) {
             if self.outgoing.len() >= MOST_OUTGOING {
@@ -233,7 +235,6 @@ impl Talk {
             let due = start.checked_add(settings.wire_time(sent)).unwrap_or(start);
             self.outgoing.push_back((due, lump.to_vec()));
         }
-        self.outgoing.make_contiguous().sort_by_key(|&(due, _)| due);
     }
 
     fn say_what_is_due(&mut self) {
