@@ -103,6 +103,11 @@ pub fn recording_time(text: &str) -> Result<Duration, String> {
     duration_within(text, Duration::from_millis(1), Duration::from_secs(10 * 365 * 24 * 60 * 60))
 }
 
+/// How long the whole program is put to the test.
+pub fn soak_time(text: &str) -> Result<Duration, String> {
+    duration_within(text, crate::soak::SHORTEST_RUN, crate::soak::LONGEST_RUN)
+}
+
 /// How long a simulated module takes to answer.
 pub fn turnaround(text: &str) -> Result<Duration, String> {
     duration_within(text, Duration::ZERO, Duration::from_secs(10))
