@@ -9,7 +9,7 @@ use jiff::Timestamp;
 use super::console::{RawCommand, Script};
 use super::observer::LIMITS;
 use super::{Bench, DEFAULT_INTERVAL, LineState, Module, RecordingId, ScanState, Severity};
-use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, ports};
+use crate::bus::{BusCommand, ItemSet, LineAddress, ScanPlan, Target, Tuning, ports};
 use crate::protocol::LineSettings;
 use crate::record::Destination;
 
@@ -97,6 +97,11 @@ pub enum Action {
     AddNote(Timestamp, String),
     /// Forget what passed the line so far.
     ClearTraffic,
+    /// How patient the line is from now on.
+    Tune(Tuning),
+    /// Ask a module the same so many times, to see whether it answers the same.
+    TestConsistency(Target, u32),
+    StopTest,
 }
 
 /// What a person would do with the hands, for modules that are simulated.
@@ -158,6 +163,9 @@ impl Bench {
             Action::CloseRecording(id) => self.close_recording(id),
             Action::AddNote(at, text) => self.add_note(at, text),
             Action::ClearTraffic => self.clear_traffic(),
+            Action::Tune(tuning) => self.send(BusCommand::Tune(tuning)),
+            Action::TestConsistency(target, reads) => self.test_consistency(target, reads),
+            Action::StopTest => self.stop_test(),
         }
     }
 
@@ -208,6 +216,7 @@ impl Bench {
         self.scan = None;
         self.settings = settings;
         self.changing_line = Some(id);
+        self.diagnosis.begin(&line);
         self.line = LineState::Opening { line: line.clone() };
         self.send(BusCommand::Open { id, line, settings });
     }

@@ -9,6 +9,7 @@ mod client;
 mod codec;
 pub mod dialogue;
 mod judge;
+mod latency;
 pub mod line;
 mod message;
 mod problem;
@@ -24,6 +25,7 @@ mod watch;
 mod worker;
 
 pub use client::{Bus, BusGone};
+pub use latency::LatencyTimer;
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
 pub use problem::{LineProblem, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};

@@ -4,6 +4,7 @@ mod analog;
 mod commands;
 mod configuration;
 mod dashboard;
+mod diagnosis;
 mod events;
 mod form;
 mod general;
