@@ -102,6 +102,9 @@ pub enum Action {
     AddNote(Timestamp, String),
     /// Forget what passed the line so far.
     ClearTraffic,
+    /// Ask a module the same so many times, to see whether it answers the same.
+    TestConsistency(Target, u32),
+    StopTest,
 }
 
 /// What a person would do with the hands, for modules that are simulated.
@@ -165,6 +168,8 @@ impl Bench {
             Action::CloseRecording(id) => self.close_recording(id),
             Action::AddNote(at, text) => self.add_note(at, text),
             Action::ClearTraffic => self.clear_traffic(),
+            Action::TestConsistency(target, reads) => self.test_consistency(target, reads),
+            Action::StopTest => self.stop_test(),
         }
     }
 
@@ -215,6 +220,7 @@ impl Bench {
         self.scan = None;
         self.settings = settings;
         self.changing_line = Some(id);
+        self.diagnosis.begin(&line);
         self.line = LineState::Opening { line: line.clone() };
         self.wanted_line = Some(line.clone());
         self.send(BusCommand::Open { id, line, settings });

@@ -57,9 +57,16 @@ impl Bench {
                 Err(failure) => self.notify(Severity::Warning, format!("Nobody answers at {target}: {failure}")),
             },
             BusEvent::Identified { id, target, result } => self.identified(id, target, result),
-            BusEvent::Traffic(frame) => self.traffic.push(frame),
+            BusEvent::Traffic(frame) => {
+                self.diagnosis.take(&frame);
+                self.traffic.push(frame);
+            }
             BusEvent::Statistics(statistics) => self.statistics = statistics,
-            BusEvent::RawAnswer { id, result } => self.raw_answer(id, result),
+            BusEvent::RawAnswer { id, result } => {
+                if !self.take_test_answer(id, &result) {
+                    self.raw_answer(id, result);
+                }
+            }
             BusEvent::Opened { .. } | BusEvent::OpenFailed { .. } | BusEvent::Closed { .. } => {}
         }
     }
@@ -72,9 +79,11 @@ impl Bench {
                 self.line = LineState::Closed;
                 self.scan = None;
                 self.notify(Severity::Error, problem.to_string());
+                self.note_problem(problem);
             }
             BusEvent::Closed { id } if id == awaited => {
                 self.line = LineState::Closed;
+                self.stop_test();
                 self.pause_all();
                 self.statistics = Statistics::default();
                 self.end_left_init();
@@ -94,6 +103,7 @@ impl Bench {
         if let Some(line) = self.line.line().cloned() {
             self.statistics = Statistics::default();
             self.line = LineState::Open { line };
+            self.note_adapter();
         }
     }
 

@@ -3,6 +3,7 @@
 
 mod actions;
 pub mod console;
+mod diagnosis;
 mod edits;
 mod events;
 mod host_ok;
@@ -79,6 +80,7 @@ pub struct Bench {
     shown: Option<Target>,
     statistics: Statistics,
     traffic: TrafficLog,
+    diagnosis: diagnosis::LiveDiagnosis,
     notices: VecDeque<Notice>,
     /// The guided change of what needs INIT mode.
     init: Option<InitProcedure>,
@@ -116,6 +118,7 @@ impl Bench {
             shown: None,
             statistics: Statistics::default(),
             traffic: TrafficLog::default(),
+            diagnosis: diagnosis::LiveDiagnosis::default(),
             notices: VecDeque::new(),
             init: None,
             moves: Vec::new(),

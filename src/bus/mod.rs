@@ -10,6 +10,7 @@ mod client;
 mod codec;
 pub mod dialogue;
 mod judge;
+mod latency;
 pub mod line;
 mod message;
 mod ports;
@@ -28,6 +29,7 @@ mod worker;
 
 pub use adapters::{NoPort, WithoutPort, adapters_without_port};
 pub use client::{Bus, BusGone};
+pub use latency::LatencyTimer;
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
 pub use ports::{ListPorts, PortInfo, UsbIdentity, ports};
 pub use problem::{LineProblem, ProblemKind};

@@ -8,7 +8,7 @@ use super::capture::Capture;
 use super::line_args::{LineArgs, ModuleArgs};
 use super::stop::Stop;
 use super::{Outcome, names, output};
-use crate::bus::{Bus, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Target, Values};
+use crate::bus::{Bus, BusCommand, BusEvent, ItemSet, LineProblem, RawRequest, RequestId, Target, Values};
 use crate::folders;
 use crate::module::{Catalogue, Definition, Identified, Item, Value, WriteError};
 use crate::protocol::{Failure, LineSettings, Protocol};
@@ -40,21 +40,26 @@ pub struct Session {
 impl Session {
     /// Opens the line.
     pub fn open(line: &LineArgs, catalogue: &Arc<Catalogue>) -> Outcome<Self> {
+        Ok(Self::try_open(line, catalogue)??)
+    }
+
+    /// Opens the line; why it cannot be opened is for the caller to tell.
+    pub fn try_open(line: &LineArgs, catalogue: &Arc<Catalogue>) -> Outcome<Result<Self, LineProblem>> {
         let (address, settings) = (line.address(), line.settings());
         let capture = line.capture().map(|file| Capture::begin(file, &address.to_string())).transpose()?;
         let bus = Bus::start(catalogue.clone(), || {});
         let bus = bus.map_err(|error| Stop::failed(format!("the bus thread could not be started: {error}")))?;
         bus.send(BusCommand::Tune(line.tuning()))?;
         let session = Self { bus, capture: capture.map(RefCell::new) };
-        session.ask(
+        let opened = session.ask(
             |id| BusCommand::Open { id, line: address, settings },
             |id, event| match event {
                 BusEvent::Opened { id: of, .. } if of == id => Some(Ok(())),
-                BusEvent::OpenFailed { id: of, problem, .. } if of == id => Some(Err(Stop::from(problem))),
+                BusEvent::OpenFailed { id: of, problem, .. } if of == id => Some(Err(problem)),
                 _ => None,
             },
-        )??;
-        Ok(session)
+        )?;
+        Ok(opened.map(|()| session))
     }
 
     /// Sends the command made with a new id. Returns the id.

@@ -1,1 +1,175 @@
-//! What the frames of a line tell about its health, and what to do about it. Pure: it is fed with frames.
+//! What is wrong with a line, told from its frames alone: the window, the command line and the replay of a capture feed the
+//! same [`Diagnosis`] and show the same [`Report`].
+//!
+//! Pure but for [`bundle`], which makes a file. Memory is bounded, however long a line is watched. An address that never
+//! answered is no module: a scan's silence counts nowhere as an error.
+
+pub mod bundle;
+mod consistency;
+mod findings;
+mod histogram;
+mod line;
+mod outcome;
+mod rates;
+mod report;
+mod station;
+mod texts;
+mod timeout;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use crate::bus::{Direction, Frame, LatencyTimer, LineProblem, Target};
+use crate::protocol::{LineSettings, Protocol};
+
+pub use consistency::{Consistency, ConsistencyTest, DEFAULT_READS, Judgement, READS};
+pub use findings::{Finding, Severity};
+pub use histogram::{Bar, Histogram, Times};
+pub use line::LineFacts;
+pub use outcome::{FailureKind, Outcome, RefusalKind};
+pub use rates::{Rates, SLOT_SECONDS, Slot};
+pub use report::{Adapter, LineReport, ModuleReport, Report};
+pub use station::Station;
+pub use texts::Symptom;
+pub use timeout::{SuggestedTimeout, suggest};
+
+/// Modules kept at most.
+pub const MOST_STATIONS: usize = 256;
+
+/// Everything that is known of the health of one line.
+#[derive(Debug, Clone, Default)]
+pub struct Diagnosis {
+    line: LineFacts,
+    stations: BTreeMap<Target, Station>,
+    tests: BTreeMap<Target, Consistency>,
+    /// The last request and whether it has failed; a broadcast is none.
+    last: Option<Request>,
+    adapter: Option<LatencyTimer>,
+    problem: Option<LineProblem>,
+}
+
+#[derive(Debug, Clone)]
+struct Request {
+    target: Target,
+    bytes: Vec<u8>,
+    failed: bool,
+}
+
+impl Diagnosis {
+    /// Takes in what passed the line. Frames come in the order of the line.
+    pub fn take(&mut self, frame: &Frame) {
+        match frame.direction {
+            Direction::Sent => self.sent(frame),
+            Direction::Received => self.received(frame),
+        }
+    }
+
+    /// What the system tells of the adapter's latency timer.
+    pub fn note_adapter(&mut self, adapter: Option<LatencyTimer>) {
+        self.adapter = adapter;
+    }
+
+    /// The line could not be opened.
+    pub fn note_problem(&mut self, problem: LineProblem) {
+        self.problem = Some(problem);
+    }
+
+    /// How many identical reads of a module came out; it replaces an earlier test of the same module.
+    pub fn note_test(&mut self, test: Consistency) {
+        if self.tests.len() < MOST_STATIONS || self.tests.contains_key(&test.target) {
+            self.tests.insert(test.target, test);
+        }
+    }
+
+    /// Modules that answered, and places from which bytes came that cannot be read.
+    pub fn stations(&self) -> impl Iterator<Item = (&Target, &Station)> {
+        self.stations.iter()
+    }
+
+    pub fn station(&self, target: &Target) -> Option<&Station> {
+        self.stations.get(target)
+    }
+
+    pub fn test(&self, target: &Target) -> Option<&Consistency> {
+        self.tests.get(target)
+    }
+
+    pub fn line(&self) -> &LineFacts {
+        &self.line
+    }
+
+    pub fn adapter(&self) -> Option<&LatencyTimer> {
+        self.adapter.as_ref()
+    }
+
+    pub fn problem(&self) -> Option<&LineProblem> {
+        self.problem.as_ref()
+    }
+
+    /// Nothing passed the line yet, and nothing else is known of it.
+    pub fn is_empty(&self) -> bool {
+        self.line.requests == 0 && self.line.unasked == 0 && self.problem.is_none()
+    }
+
+    fn sent(&mut self, frame: &Frame) {
+        self.line.requests = self.line.requests.saturating_add(1);
+        let Some(target) = target_of(frame) else {
+            self.last = None;
+            return;
+        };
+        let before = self.last.take().filter(|last| last.failed && last.target == target);
+        if before.is_some_and(|last| last.bytes == frame.bytes) {
+            match self.stations.get_mut(&target) {
+                Some(station) => station::count(&mut station.repeats),
+                None => self.line.insist(target),
+            }
+        }
+        self.last = Some(Request { target, bytes: frame.bytes.clone(), failed: false });
+    }
+
+    fn received(&mut self, frame: &Frame) {
+        let Some(outcome) = Outcome::of(frame) else { return };
+        match outcome {
+            Outcome::Unasked => {
+                let after_silence = self.last.as_ref().is_some_and(|last| last.failed);
+                return self.line.take_unasked(frame, after_silence);
+            }
+            Outcome::LineLost => return self.line.losses = self.line.losses.saturating_add(1),
+            _ => {}
+        }
+        let Some(target) = target_of(frame) else { return };
+        if let Some(last) = self.last.as_mut().filter(|last| last.target == target) {
+            last.failed = matches!(outcome, Outcome::Failed(_));
+        }
+        self.line.take(frame);
+        if outcome == Outcome::Failed(FailureKind::NoAnswer) && !self.stations.contains_key(&target) {
+            return self.line.silent_at(&target);
+        }
+        self.line.heard_at(&target);
+        if let Some(station) = self.station_for(target) {
+            station.take(frame, outcome);
+        }
+    }
+
+    /// The counts of `target`; where there is no room, those of a place that never answered make it.
+    fn station_for(&mut self, target: Target) -> Option<&mut Station> {
+        if self.stations.len() >= MOST_STATIONS && !self.stations.contains_key(&target) {
+            let mute = self.stations.iter().find(|(_, station)| !station.is_heard()).map(|(target, _)| *target)?;
+            self.stations.remove(&mute);
+        }
+        Some(self.stations.entry(target).or_default())
+    }
+}
+
+/// Which module a frame belongs to; speed and format mean nothing over TCP.
+fn target_of(frame: &Frame) -> Option<Target> {
+    let network = frame.protocol == Protocol::ModbusTcp;
+    Some(Target {
+        address: frame.address?,
+        protocol: frame.protocol,
+        settings: if network { LineSettings::default() } else { frame.settings },
+        checksum: frame.checksum,
+    })
+}

@@ -13,10 +13,7 @@ const MOST_PARTS: u32 = 10_000;
 ///
 /// # Errors
 /// If `write` fails, or the file cannot be made or named.
-pub(super) fn write_whole<T, E: From<io::Error>>(
-    path: &Path,
-    write: impl FnOnce(&File) -> Result<T, E>,
-) -> Result<T, E> {
+pub fn write_whole<T, E: From<io::Error>>(path: &Path, write: impl FnOnce(&File) -> Result<T, E>) -> Result<T, E> {
     // Through links, so that the file is replaced and not the link.
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir()) {

@@ -72,9 +72,9 @@ pub struct Line {
 
 impl Line {
     /// All modules frozen to their first values, and at rest.
-    pub fn new(truth: &mut Truth) -> Self {
+    pub fn new(truth: &mut Truth, seed: u64) -> Self {
         let specs: Vec<ModuleSpec> = MODULES.iter().filter_map(|text| text.parse().ok()).collect();
-        let sim = Sim::new(&specs, Pace::Real).with_turnaround(TURNAROUND);
+        let sim = Sim::new(&specs, Pace::Real).with_turnaround(TURNAROUND).with_seed(seed);
         let targets: Vec<Target> = specs.iter().map(target).collect();
         let ear = Ear::default();
         sim.join(Box::new(ear.guest(main_settings(&targets))));
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn the_modules_say_themselves_what_they_have() {
         let mut truth = Truth::default();
-        let line = Line::new(&mut truth);
+        let line = Line::new(&mut truth, 1);
         assert_eq!(line.targets.len(), 16);
         assert_eq!(line.targets.iter().map(|target| target.address).collect::<BTreeSet<_>>().len(), 16);
         assert_eq!(truth.now(1, "temperature_c").as_deref(), Some("5"));
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn after_a_change_every_module_has_another_temperature() {
         let mut truth = Truth::default();
-        let mut line = Line::new(&mut truth);
+        let mut line = Line::new(&mut truth, 1);
         let before = truth.now(1, "temperature_c");
         line.change(&mut truth);
         assert_ne!(truth.now(1, "temperature_c"), before);

@@ -61,7 +61,7 @@ pub fn run(options: &Options, tell: &mut dyn FnMut(&str), stopped: &dyn Fn() -> 
     };
     let panics = Panics::catch();
     let mut watch = Watch::default();
-    let line = Line::new(&mut watch.truth);
+    let line = Line::new(&mut watch.truth, options.seed);
     let program = Program::start(line.address()).map_err(SoakError::Thread)?;
     let hands = Hands::new(options.seed);
     let report = Report { seed: options.seed, has_window: Program::HAS_WINDOW, ..Report::default() };

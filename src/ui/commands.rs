@@ -34,6 +34,7 @@ pub enum Command {
     Dashboard,
     Traffic,
     Trends,
+    Diagnosis,
     ToggleRecording,
     OpenRecording,
     ExportReadings,
@@ -51,7 +52,8 @@ use Command::*;
 /// The menu's groups, in its order.
 pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll, PollPlan, Faults];
 pub const MODULE: &[Command] = &[ReadAgain, WriteAll, RevertAll, TogglePolling, NextTab, PreviousTab, Remove];
-pub const TABS: &[Command] = &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Beside, OwnWindow, ClosePane];
+pub const TABS: &[Command] =
+    &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Diagnosis, Beside, OwnWindow, ClosePane];
 pub const RECORDING: &[Command] = &[ToggleRecording, OpenRecording, ExportReadings];
 pub const SIZE: &[Command] = &[Larger, Smaller, NormalSize];
 pub const PROGRAM: &[Command] = &[Quit];
@@ -98,6 +100,7 @@ impl Command {
             Dashboard => "Dashboard",
             Traffic => "Traffic",
             Trends => "Trends",
+            Diagnosis => "Diagnosis",
             ToggleRecording => "Start or stop recording",
             OpenRecording => "Open a recording…",
             ExportReadings => "Export readings…",
@@ -133,6 +136,7 @@ impl Command {
             Dashboard => "All modules in one table",
             Traffic => "Every frame of the line",
             Trends => "Plots of all readings, and what happened",
+            Diagnosis => "Answer times, errors, their causes and the next step",
             ToggleRecording => "Everything that is measured goes into a file, or no longer",
             OpenRecording => "Plots and events of an earlier time",
             ExportReadings => "Of the trends in view, as CSV, JSON Lines or Parquet",
@@ -167,6 +171,7 @@ impl Command {
             Dashboard => command(Key::D),
             Traffic => command(Key::T),
             Trends => command(Key::G),
+            Diagnosis => shifted(Key::D),
             ToggleRecording => shifted(Key::S),
             OpenRecording => command(Key::O),
             ExportReadings => shifted(Key::E),
@@ -228,8 +233,8 @@ impl Command {
                 unless(in_view, "No trends are in view: open Trends or a recording")
             }
             ClosePane => unless(pass.active != Pane::Dashboard, "The dashboard stays open"),
-            PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | OpenRecording | Beside | OwnWindow
-            | Larger | Smaller | NormalSize | Quit => None,
+            PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | Diagnosis | OpenRecording | Beside
+            | OwnWindow | Larger | Smaller | NormalSize | Quit => None,
         }
     }
 
@@ -261,6 +266,7 @@ impl Command {
             (Dashboard, _) => panes.open(Pane::Dashboard),
             (Traffic, _) => panes.open(Pane::Traffic),
             (Trends, _) => panes.open(Pane::Trends),
+            (Diagnosis, _) => panes.open(Pane::Diagnosis),
             (ToggleRecording, _) if bench.recording().is_some() => pass.recordings.ask(Wish::Stop),
             (ToggleRecording, _) => pass.recordings.ask(Wish::Start),
             (OpenRecording, _) => pass.recordings.ask(Wish::Open),
@@ -292,7 +298,7 @@ pub fn toggled_polling(module: &Module) -> Action {
 fn in_view(bench: &Bench, active: Pane) -> Option<&Module> {
     match active {
         Pane::Module(target) => bench.module(&target),
-        Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Recording(_) => None,
+        Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Diagnosis | Pane::Recording(_) => None,
     }
 }
 

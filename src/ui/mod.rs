@@ -9,6 +9,7 @@ mod commands;
 mod connect;
 mod dashboard;
 mod dashboard_table;
+mod diagnosis;
 mod dialogs;
 mod empty;
 mod faults;

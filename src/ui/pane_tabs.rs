@@ -111,7 +111,7 @@ impl Behavior<Pane> for Tabs<'_, '_> {
                 self.wishes.push(Wish::Window(pane));
             }
         }
-        for (pane, name) in [(Pane::Traffic, "Traffic"), (Pane::Trends, "Trends")] {
+        for (pane, name) in [(Pane::Traffic, "Traffic"), (Pane::Trends, "Trends"), (Pane::Diagnosis, "Diagnosis")] {
             // Its room stays, so that the other does not move under the pointer.
             let open = tiles.find_pane(&pane).is_some();
             if ui.add_visible(!open, egui::Button::new(name)).clicked() {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::app::Pass;
 use super::commands;
 use super::dashboard::Dashboard;
+use super::diagnosis::DiagnosisView;
 use super::dialogs::Dialogs;
 use super::module_view::ModuleView;
 use super::pane_tabs::Tabs;
@@ -27,6 +28,8 @@ pub enum Pane {
     Traffic,
     /// The plots of everything that is polled.
     Trends,
+    /// What is wrong with the line.
+    Diagnosis,
     /// A recording that was opened.
     Recording(RecordingId),
     Module(Target),
@@ -47,6 +50,7 @@ pub(super) struct Views {
     modules: BTreeMap<Target, ModuleView>,
     traffic: TrafficView,
     trends: TrendView,
+    diagnosis: DiagnosisView,
     recordings: BTreeMap<RecordingId, TrendView>,
     dashboard: Dashboard,
 }
@@ -423,6 +427,7 @@ pub(super) fn title(bench: &Bench, pane: Pane) -> String {
         Pane::Dashboard => "Dashboard".to_owned(),
         Pane::Traffic => "Traffic".to_owned(),
         Pane::Trends => "Trends".to_owned(),
+        Pane::Diagnosis => "Diagnosis".to_owned(),
         Pane::Recording(id) => {
             let name = bench.opened_recording(id).and_then(|viewer| viewer.path().file_stem());
             name.map_or_else(|| "Recording".to_owned(), |name| name.to_string_lossy().into_owned())
@@ -447,6 +452,7 @@ impl Views {
             Pane::Dashboard => self.dashboard.show(ui, pass),
             Pane::Traffic => self.traffic.show(ui, pass),
             Pane::Trends => self.trends.show(ui, &Source::live(pass.bench), pass),
+            Pane::Diagnosis => self.diagnosis.show(ui, pass),
             Pane::Recording(id) => match Source::recording(pass.bench, id) {
                 Ok(source) => self.recordings.entry(id).or_default().show(ui, &source, pass),
                 Err(lines) => trends::not_there(ui, &lines),

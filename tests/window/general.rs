@@ -298,7 +298,7 @@ fn every_character_of_the_interface_has_its_glyph() {
 fn sources() -> Vec<String> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut folders: Vec<_> =
-        ["ui", "bench", "bus", "module", "picture", "protocol"].map(|room| root.join(room)).into();
+        ["ui", "bench", "bus", "diagnosis", "module", "picture", "protocol"].map(|room| root.join(room)).into();
     let mut texts = Vec::new();
     while let Some(folder) = folders.pop() {
         for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {

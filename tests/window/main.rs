@@ -5,6 +5,7 @@ mod bad_line;
 mod commands;
 mod configuration;
 mod dashboard;
+mod diagnosis;
 mod events;
 mod faults;
 mod form;

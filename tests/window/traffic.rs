@@ -77,6 +77,11 @@ pub fn search(window: &mut Window, text: &str) {
 pub fn save_to(window: &mut Window, entry: &str, path: &std::path::Path) {
     click(window, Role::Button, "Export");
     click(window, Role::Button, entry);
+    save_to_from(window, path);
+}
+
+/// Writes the path into the field that has been asked for, and waits until the file is there.
+pub fn save_to_from(window: &mut Window, path: &std::path::Path) {
     until(window, "the field", |window| window.query_by_role_and_label(Role::TextInput, "Path").is_some());
     window.step();
     window.key_press_modifiers(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::A);

@@ -40,6 +40,11 @@ pub fn beside_frame() -> egui::Frame {
     egui::Frame::new().inner_margin(Margin { left: 0, right: 8, top: 0, bottom: 0 })
 }
 
+/// What stands at the right of such a list.
+pub fn behind_list_frame() -> egui::Frame {
+    egui::Frame::new().inner_margin(Margin { left: 12, right: 8, top: 0, bottom: 0 })
+}
+
 /// The column of bytes, of what the fixed columns leave to it and to their meaning.
 pub fn bytes_width(room: f32) -> f32 {
     let [least, most] = BYTES_RANGE;

@@ -305,6 +305,18 @@ pub fn below_plots(wanted: f32, height: f32) -> [f32; 2] {
 
 pub const EVENTS_PANEL: f32 = 48.0 * UNIT;
 
+/// The diagnosis: its list of modules, width of what was found, its charts, and room for an answer time.
+pub const STATIONS: f32 = 48.0 * UNIT;
+pub const STATIONS_RANGE: std::ops::RangeInclusive<f32> = 36.0 * UNIT..=80.0 * UNIT;
+pub const STATION_ROW: f32 = 11.0 * UNIT;
+pub const FINDING_WIDTH: f32 = 170.0 * UNIT;
+pub const CHART_HEIGHT: f32 = 28.0 * UNIT;
+pub const BAR_MOST: f32 = 12.0 * UNIT;
+/// Two marks nearer than this would touch.
+pub const MARK_DISTANCE: f32 = 12.0 * UNIT;
+pub const ANSWER_TIME: f32 = 18.0 * UNIT;
+pub const COUNT_SHORT: f32 = 20.0 * UNIT;
+
 pub const HAIRLINE: f32 = 1.0;
 pub const TRACE: f32 = 1.5;
 pub const OUTLINE: f32 = 1.5;

@@ -1,0 +1,127 @@
+//! What is known of the health of the line that is open, and the test of a module's consistency.
+
+use super::{Bench, LineState, Severity};
+use crate::bus::{BusCommand, Frame, LatencyTimer, LineAddress, LineProblem, RequestId, Target};
+use crate::diagnosis::bundle::{Bundle, Part};
+use crate::diagnosis::{ConsistencyTest, Diagnosis, Report};
+use crate::folders;
+use crate::protocol::Failure;
+
+/// The live diagnosis with the test under way.
+#[derive(Default)]
+pub struct LiveDiagnosis {
+    pub(super) known: Diagnosis,
+    test: Option<Running>,
+    /// The line that all this is of, as people call it.
+    line: String,
+}
+
+/// A test with its request that waits for an answer.
+struct Running {
+    test: ConsistencyTest,
+    id: RequestId,
+}
+
+impl LiveDiagnosis {
+    pub(super) fn take(&mut self, frame: &Frame) {
+        self.known.take(frame);
+        if let Some(running) = &mut self.test {
+            running.test.take(frame);
+        }
+    }
+
+    /// Nothing that was known is true of another line.
+    pub(super) fn begin(&mut self, line: &LineAddress) {
+        *self = Self { line: line.to_string(), ..Self::default() };
+    }
+}
+
+impl Bench {
+    /// What is known of the line that is open, or was open last.
+    pub fn diagnosis(&self) -> &Diagnosis {
+        &self.diagnosis.known
+    }
+
+    /// The same as a report, made now.
+    pub fn diagnosis_report(&self) -> Report {
+        let name = |target: &Target| self.module(target).map(|module| module.label().to_owned());
+        let line = if self.diagnosis.line.is_empty() { "no line" } else { &self.diagnosis.line };
+        self.diagnosis.known.report(self.now(), line, name)
+    }
+
+    /// What goes into one file for asking others for help, with these further parts.
+    pub fn support_bundle(&self, parts: Vec<Part>) -> Bundle {
+        let settings = folders::config().and_then(|folder| std::fs::read_to_string(folder.join("settings.toml")).ok());
+        Bundle { report: self.diagnosis_report(), ports: self.ports.clone(), settings, parts }
+    }
+
+    /// The test under way.
+    pub fn consistency_test(&self) -> Option<&ConsistencyTest> {
+        self.diagnosis.test.as_ref().map(|running| &running.test)
+    }
+
+    /// Asks `target` the same so many times; reads only. Polls and other requests go on between.
+    pub(super) fn test_consistency(&mut self, target: Target, reads: u32) {
+        if !self.line.is_open() {
+            let text = "The consistency cannot be tested: no line is open – scan to open it";
+            return self.notify(Severity::Warning, text.to_owned());
+        }
+        if self.diagnosis.test.is_none() {
+            self.ask_again(ConsistencyTest::new(target, reads));
+        }
+    }
+
+    /// Ends the test under way; what it brought so far is judged.
+    pub(super) fn stop_test(&mut self) {
+        if let Some(Running { test, .. }) = self.diagnosis.test.take()
+            && test.progress().0 > 0
+        {
+            self.diagnosis.known.note_test(test.outcome());
+        }
+    }
+
+    fn ask_again(&mut self, test: ConsistencyTest) {
+        let id = self.bus.next_id();
+        let (request, settings) = (test.request(), test.target().settings);
+        if self.try_send(BusCommand::Raw { id, request, settings }) {
+            self.diagnosis.test = Some(Running { test, id });
+        }
+    }
+
+    /// Takes the answer if it is the test's, and asks again until the test is done. False if it is someone else's.
+    pub(super) fn take_test_answer(&mut self, id: RequestId, result: &Result<Vec<u8>, Failure>) -> bool {
+        let Some(Running { mut test, .. }) = self.diagnosis.test.take_if(|running| running.id == id) else {
+            return false;
+        };
+        test.answered(result);
+        if test.is_done() {
+            self.diagnosis.known.note_test(test.outcome());
+        } else {
+            self.ask_again(test);
+        }
+        true
+    }
+
+    /// The line is open: what the system tells of its adapter.
+    pub(super) fn note_adapter(&mut self) {
+        let timer = match self.line.line() {
+            Some(LineAddress::Serial { port }) => LatencyTimer::of_port(port, &self.ports),
+            _ => None,
+        };
+        self.diagnosis.known.note_adapter(timer);
+    }
+
+    pub(super) fn note_problem(&mut self, problem: LineProblem) {
+        self.diagnosis.known.note_problem(problem);
+    }
+
+    /// Whether a module can be tested now; the reason if not.
+    pub fn test_obstacle(&self) -> Option<&'static str> {
+        match &self.line {
+            LineState::Open { .. } if self.diagnosis.test.is_some() => Some("A test is running"),
+            LineState::Open { .. } if self.is_scanning() => Some("A scan is running"),
+            LineState::Open { .. } => None,
+            _ => Some("No line is open: scan to open it"),
+        }
+    }
+}

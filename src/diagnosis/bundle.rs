@@ -1,0 +1,156 @@
+//! One zip with everything that helps somebody else to help.
+
+use std::io::{self, Cursor, Write};
+use std::path::Path;
+
+use jiff::Timestamp;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use super::Report;
+use crate::bus::PortInfo;
+use crate::record::write_whole;
+
+/// Frames of traffic that a bundle holds at most.
+pub const MOST_FRAMES: u64 = 20_000;
+/// The name of the traffic's part.
+pub const TRAFFIC: &str = "traffic.csv";
+
+/// One file in the bundle.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// With its ending; no folder.
+    pub name: String,
+    pub bytes: Vec<u8>,
+}
+
+impl Part {
+    pub fn new(name: &str, bytes: impl Into<Vec<u8>>) -> Self {
+        Self { name: name.to_owned(), bytes: bytes.into() }
+    }
+}
+
+/// What goes into a bundle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bundle {
+    pub report: Report,
+    pub ports: Vec<PortInfo>,
+    /// The text of the settings file, if there is one.
+    pub settings: Option<String>,
+    /// Further files, such as the last traffic.
+    pub parts: Vec<Part>,
+}
+
+const README: &str = "\
+What is in this file
+
+report.txt     what was found on the line, for people
+report.json    the same for programs
+versions.txt   program and operating system
+ports.json     the serial ports of the computer
+settings.toml  the settings of the program, if there are any
+traffic.csv    the last bytes that were sent and received on the line, with their times
+
+Other files are named for what they hold, such as traffic.pcapng for Wireshark.
+
+Before you pass it on
+
+The traffic holds everything that was sent to the modules and what they answered. If Wi-Fi settings were read or written
+meanwhile, the key of that network can be read in it. The settings name ports, hosts and folders of this computer. Look
+through the files, and take out of the zip what others should not see.
+";
+
+impl Bundle {
+    /// The zip as bytes.
+    ///
+    /// # Errors
+    /// What the zip's writer says.
+    pub fn to_bytes(&self) -> io::Result<Vec<u8>> {
+        let time = self.report.made_at.to_zoned(jiff::tz::TimeZone::UTC).datetime();
+        let time = DateTime::try_from(time).unwrap_or_default();
+        let options =
+            SimpleFileOptions::default().compression_method(CompressionMethod::Deflated).last_modified_time(time);
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        for part in self.own_parts()?.iter().chain(&self.parts) {
+            zip.start_file(part.name.as_str(), options)?;
+            zip.write_all(&part.bytes)?;
+        }
+        Ok(zip.finish()?.into_inner())
+    }
+
+    /// Writes it as a whole: the file has its name only when it is complete.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let bytes = self.to_bytes()?;
+        write_whole(path, |mut file| file.write_all(&bytes))
+    }
+
+    fn own_parts(&self) -> io::Result<Vec<Part>> {
+        let mut parts = vec![
+            Part::new("README.txt", README),
+            Part::new("report.txt", self.report.to_string()),
+            Part::new("report.json", serde_json::to_vec_pretty(&self.report)?),
+            Part::new("versions.txt", versions(&self.report.program, self.report.made_at)),
+            Part::new("ports.json", serde_json::to_vec_pretty(&self.ports)?),
+        ];
+        parts.extend(self.settings.as_deref().map(|text| Part::new("settings.toml", text)));
+        Ok(parts)
+    }
+}
+
+fn versions(program: &str, at: Timestamp) -> String {
+    let (system, processor) = (std::env::consts::OS, std::env::consts::ARCH);
+    // Where Linux tells which distribution it is.
+    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    let name = release.lines().find_map(|line| line.strip_prefix("PRETTY_NAME=")).unwrap_or_default().trim_matches('"');
+    let kernel = std::fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
+    let more =
+        [name, kernel.trim()].map(|text| if text.is_empty() { String::new() } else { format!(", {text}") }).concat();
+    format!("{program}\n{system} {processor}{more}\nmade at {at:.0}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read;
+
+    use super::*;
+    use crate::diagnosis::Diagnosis;
+
+    #[test]
+    fn a_bundle_is_a_zip_that_tells_what_is_in_it_and_what_to_look_out_for() {
+        let report = Diagnosis::default().report(Timestamp::UNIX_EPOCH, "COM3", |_| None);
+        let settings = Some("theme = \"dark\"\n".to_owned());
+        let parts = vec![Part::new(TRAFFIC, "time\n"), Part::new("traffic.pcapng", [1, 2, 3])];
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("help.zip");
+        Bundle { report, ports: Vec::new(), settings, parts }.write(&path).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no part is left");
+        let mut zip = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let names: Vec<String> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
+        assert_eq!(
+            names,
+            [
+                "README.txt",
+                "report.txt",
+                "report.json",
+                "versions.txt",
+                "ports.json",
+                "settings.toml",
+                "traffic.csv",
+                "traffic.pcapng"
+            ]
+        );
+        let mut text = |name: &str| {
+            let mut text = String::new();
+            zip.by_name(name).unwrap().read_to_string(&mut text).unwrap();
+            text
+        };
+        assert!(text("README.txt").contains("Wi-Fi"));
+        assert!(text("versions.txt").contains(env!("CARGO_PKG_VERSION")));
+        assert_eq!(text("settings.toml"), "theme = \"dark\"\n");
+        let json: serde_json::Value = serde_json::from_str(&text("report.json")).unwrap();
+        assert_eq!(json["line"]["name"], "COM3");
+    }
+}

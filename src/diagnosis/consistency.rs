@@ -1,0 +1,273 @@
+//! Many identical reads of one module: what a healthy module answers to them is always the same.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
+
+use serde::Serialize;
+
+use super::histogram::{Histogram, Times};
+use super::outcome::{FailureKind, Outcome};
+use super::station::{answer_time, fingerprint};
+use crate::bus::{Direction, Frame, RawRequest, Target};
+use crate::protocol::{Failure, Protocol, dcon, modbus};
+
+/// Reads unless told otherwise.
+pub const DEFAULT_READS: u32 = 50;
+pub const READS: RangeInclusive<u32> = 5..=1_000;
+/// A module that was silent so often from the beginning is not asked further.
+const SILENT_ENOUGH: u32 = 10;
+/// Broken answers in this part of the reads, each another one, are collisions and no chance.
+const COLLIDING: f64 = 0.3;
+/// Answers followed by more bytes in this part of the reads are two answers.
+const FOLLOWED: f64 = 0.2;
+
+/// What the answers to identical reads say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Judgement {
+    Fine,
+    /// More than one module answers at the address.
+    Doubled,
+    Noise,
+    /// Some reads had no answer.
+    Lossy,
+    NoAnswer,
+    /// The line was lost meanwhile.
+    Interrupted,
+}
+
+impl Judgement {
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Fine => "consistent",
+            Self::Doubled => "more than one module",
+            Self::Noise => "noise",
+            Self::Lossy => "answers get lost",
+            Self::NoAnswer => "no answer",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// How a test came out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Consistency {
+    pub target: Target,
+    /// Reads that were done.
+    pub reads: u32,
+    /// Good answers.
+    pub answers: u32,
+    /// How many of these differ from each other; 1 is as it should be.
+    pub different_answers: usize,
+    /// Failed reads, by kind.
+    pub failures: BTreeMap<FailureKind, u32>,
+    /// How many broken answers differ from each other.
+    pub different_failures: usize,
+    /// Reads behind whose answers more bytes came.
+    pub followed: u32,
+    /// Answers with stray bytes around them.
+    pub noisy: u32,
+    pub times: Option<Times>,
+    pub judgement: Judgement,
+    /// The same in a sentence.
+    pub said: String,
+}
+
+/// A test under way: whoever drives it sends [`Self::request`] again and again until [`Self::is_done`], and hands over what
+/// comes back.
+#[derive(Debug, Clone)]
+pub struct ConsistencyTest {
+    target: Target,
+    wanted: u32,
+    reads: u32,
+    answers: BTreeMap<u64, u32>,
+    failures: BTreeMap<FailureKind, u32>,
+    forms: BTreeSet<u64>,
+    followed: u32,
+    noisy: u32,
+    times: Histogram,
+    /// The last frame that was sent is one of the test's.
+    is_own: bool,
+    lost: bool,
+}
+
+impl ConsistencyTest {
+    pub fn new(target: Target, reads: u32) -> Self {
+        let wanted = reads.clamp(*READS.start(), *READS.end());
+        Self {
+            target,
+            wanted,
+            reads: 0,
+            answers: BTreeMap::new(),
+            failures: BTreeMap::new(),
+            forms: BTreeSet::new(),
+            followed: 0,
+            noisy: 0,
+            times: Histogram::default(),
+            is_own: false,
+            lost: false,
+        }
+    }
+
+    pub fn target(&self) -> Target {
+        self.target
+    }
+
+    /// Asks for what never changes: the module's name.
+    pub fn request(&self) -> RawRequest {
+        let Target { address, protocol, checksum, .. } = self.target;
+        match protocol {
+            Protocol::Dcon => RawRequest::Dcon { text: format!("${address:02X}M"), checksum },
+            // Firmware and name: 40481 to 40484.
+            Protocol::ModbusRtu | Protocol::ModbusTcp => RawRequest::Modbus { bytes: self.body() },
+        }
+    }
+
+    fn body(&self) -> Vec<u8> {
+        vec![self.target.address, 3, 1, 0xE0, 0, 4]
+    }
+
+    fn is_request(&self, frame: &Frame) -> bool {
+        let Target { address, protocol, checksum, .. } = self.target;
+        match protocol {
+            Protocol::Dcon => frame.bytes == dcon::encode(&format!("${address:02X}M"), checksum),
+            Protocol::ModbusRtu => frame.bytes == modbus::with_crc(&self.body()),
+            Protocol::ModbusTcp => frame.bytes.ends_with(&self.body()),
+        }
+    }
+
+    /// Takes in what passes the line; frames of others are passed over.
+    pub fn take(&mut self, frame: &Frame) {
+        if frame.direction == Direction::Sent {
+            self.is_own = self.is_request(frame);
+            return;
+        }
+        if !self.is_own {
+            return;
+        }
+        match Outcome::of(frame) {
+            Some(Outcome::Unasked) => self.followed = self.followed.saturating_add(1),
+            Some(Outcome::Answer | Outcome::Refusal(_)) => {
+                self.times.add(answer_time(frame));
+                self.noisy = self.noisy.saturating_add(u32::from(frame.noise));
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes in how a request came out.
+    pub fn answered(&mut self, result: &Result<Vec<u8>, Failure>) {
+        self.reads = self.reads.saturating_add(1);
+        match result {
+            Ok(answer) if self.is_others(answer) => self.failed(FailureKind::WrongAddress, answer),
+            Ok(answer) => {
+                let count = self.answers.entry(fingerprint(answer)).or_default();
+                *count = count.saturating_add(1);
+            }
+            Err(Failure::Silent) => self.failed(FailureKind::NoAnswer, &[]),
+            Err(Failure::Cut { bytes }) => self.failed(FailureKind::CutShort, bytes),
+            Err(Failure::Collision { bytes }) => self.failed(FailureKind::Collision, bytes),
+            Err(Failure::Garbled { reason, bytes }) => self.failed(FailureKind::of_reason(reason), bytes),
+            Err(Failure::LineLost(_) | Failure::NotOffered(_)) => self.lost = true,
+            Err(refusal) => {
+                let count = self.answers.entry(fingerprint(refusal.to_string().as_bytes())).or_default();
+                *count = count.saturating_add(1);
+            }
+        }
+    }
+
+    /// A DCON answer that carries another address; Modbus answers are checked before they get here.
+    fn is_others(&self, answer: &[u8]) -> bool {
+        let sender = answer.get(1..3).and_then(|digits| std::str::from_utf8(digits).ok());
+        let sender = sender.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        self.target.protocol == Protocol::Dcon && sender.is_some_and(|sender| sender != self.target.address)
+    }
+
+    fn failed(&mut self, kind: FailureKind, bytes: &[u8]) {
+        let count = self.failures.entry(kind).or_default();
+        *count = count.saturating_add(1);
+        if !bytes.is_empty() {
+            self.forms.insert(fingerprint(bytes));
+        }
+    }
+
+    pub fn is_done(&self) -> bool {
+        let mute = self.reads >= SILENT_ENOUGH && self.silences() == self.reads;
+        self.lost || mute || self.reads >= self.wanted
+    }
+
+    /// How much of it is done, 0 to 1.
+    pub fn part(&self) -> f32 {
+        self.reads as f32 / self.wanted.max(1) as f32
+    }
+
+    /// Reads done, of how many.
+    pub fn progress(&self) -> (u32, u32) {
+        (self.reads, self.wanted)
+    }
+
+    fn silences(&self) -> u32 {
+        self.failures.get(&FailureKind::NoAnswer).copied().unwrap_or_default()
+    }
+
+    fn broken(&self) -> u32 {
+        self.failures.values().sum::<u32>().saturating_sub(self.silences())
+    }
+
+    fn judge(&self) -> Judgement {
+        let part = |count: u32| f64::from(count) / f64::from(self.reads.max(1));
+        let broken = self.broken();
+        let collide = part(broken) >= COLLIDING && self.forms.len() > 1;
+        if self.lost {
+            Judgement::Interrupted
+        } else if self.silences() == self.reads {
+            Judgement::NoAnswer
+        } else if self.answers.len() > 1 || collide || part(self.followed) >= FOLLOWED {
+            Judgement::Doubled
+        } else if broken > 0 || self.noisy > 0 || self.followed > 0 {
+            Judgement::Noise
+        } else if self.silences() > 0 {
+            Judgement::Lossy
+        } else {
+            Judgement::Fine
+        }
+    }
+
+    /// How it came out so far.
+    pub fn outcome(&self) -> Consistency {
+        let answers = self.answers.values().sum();
+        Consistency {
+            target: self.target,
+            reads: self.reads,
+            answers,
+            different_answers: self.answers.len(),
+            failures: self.failures.clone(),
+            different_failures: self.forms.len(),
+            followed: self.followed,
+            noisy: self.noisy,
+            times: self.times.times(),
+            judgement: self.judge(),
+            said: self.say(answers),
+        }
+    }
+
+    fn say(&self, answers: u32) -> String {
+        let different = match self.answers.len() {
+            0 => String::new(),
+            1 => ", all the same".to_owned(),
+            count => format!(", {count} different ones"),
+        };
+        let mut parts = vec![format!("{answers} of {} reads answered{different}", self.reads)];
+        parts.extend(self.failures.iter().map(|(kind, count)| format!("{count} {}", kind.label())));
+        if self.forms.len() > 1 {
+            parts.push(format!("broken in {} different ways", self.forms.len()));
+        }
+        if self.followed > 0 {
+            parts.push(format!("{} followed by more bytes", self.followed));
+        }
+        if self.noisy > 0 {
+            parts.push(format!("{} with stray bytes", self.noisy));
+        }
+        parts.join("; ")
+    }
+}

@@ -1,0 +1,222 @@
+//! Every symptom with what it is called, its likely cause and the next step. All words on causes stand here.
+
+use serde::Serialize;
+
+/// Something that is seen on a line, or keeps it from being opened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Symptom {
+    /// Nothing at every address that was asked.
+    SilentLine,
+    /// The same, and only one protocol was tried.
+    SilentInOneProtocol,
+    /// Nothing at one address that was asked more than once.
+    SilentAddress,
+    /// Bytes that cannot be read, from a place that never answered.
+    Garbage,
+    /// Stray bytes around good answers.
+    Noise,
+    /// Broken answers that differ from each other.
+    ChangingErrors,
+    /// Broken answers that are all alike.
+    SameErrors,
+    /// Identical reads whose answers show more than one module.
+    DoubledAddress,
+    /// The adapter sends back what is sent.
+    Echo,
+    /// It sends back something else.
+    Collision,
+    /// Some answers do not come.
+    Lost,
+    /// Answers that come when they are not waited for any more.
+    Late,
+    /// It answered and does not any more.
+    Stopped,
+    /// Answers that end too early.
+    CutShort,
+    /// Another module answers.
+    WrongAddress,
+    /// `?AA`, exceptions.
+    Refused,
+    /// A lone `!`.
+    WatchdogTripped,
+    /// The port may not be opened.
+    NoPermission,
+    /// The port is gone, or goes while it is used.
+    PortVanished,
+    /// Another program has the port.
+    PortBusy,
+    /// The line cannot be opened for another reason.
+    NotOpened,
+    /// The adapter holds answers back.
+    SlowAdapter,
+}
+
+impl Symptom {
+    /// In a few words.
+    pub fn title(self) -> &'static str {
+        self.words().0
+    }
+
+    /// What is most likely behind it.
+    pub fn cause(self) -> &'static str {
+        self.words().1
+    }
+
+    /// What to do next.
+    pub fn next_step(self) -> &'static str {
+        self.words().2
+    }
+
+    fn words(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::SilentLine => (
+                "Nothing answers",
+                "No power at the modules, D+ and D− swapped, or this is another port than theirs",
+                "Measure the modules' supply, then swap D+ and D− at the adapter, then try the other ports; a full scan \
+                 asks at every speed and address",
+            ),
+            Self::SilentInOneProtocol => (
+                "Nothing answers",
+                "The modules may speak the other protocol; else no power, D+ and D− swapped, or the wrong port",
+                "Try the other protocol (a quick scan asks in both), then swap D+ and D− at the adapter",
+            ),
+            Self::SilentAddress => (
+                "Nothing at this address",
+                "The module has another address, protocol or speed: with DIP 2 OFF, as it comes, its switches make it 160 \
+                 to 191",
+                "Do a quick scan, which asks at 1 and at 160 to 191 in both protocols; then a full one",
+            ),
+            Self::Garbage => (
+                "Bytes that cannot be read",
+                "Speed or parity differ from the module's, or D+ and D− are swapped",
+                "Try the other speeds and data formats here (a full scan does), then swap D+ and D−; the traffic shows the \
+                 bytes in hex",
+            ),
+            Self::Noise => (
+                "Line noise",
+                "The line has no bias or termination resistors, or runs beside power cables without a shield",
+                "Put 120 Ω between D+ and D− at both ends of the line and bias it at one place; connect the grounds",
+            ),
+            Self::ChangingErrors => (
+                "Answers broken in changing ways",
+                "Two modules at one address, or noise on the line",
+                "Test the consistency: it reads the same many times and tells the two apart; then switch off one module \
+                 after the other",
+            ),
+            Self::SameErrors => (
+                "Answers broken in the same way each time",
+                "Program and module do not agree: DCON checksum on one side only, or the other protocol",
+                "Do a full scan, which tries both protocols and DCON with and without checksum, and use what it finds",
+            ),
+            Self::DoubledAddress => (
+                "Two modules at one address",
+                "Modules as they come, or two with the same rotary switch: they answer at the same time",
+                "Switch off one of them and test again; then give the other one an address of its own",
+            ),
+            Self::Echo => (
+                "The adapter echoes",
+                "The adapter hears what it sends itself; exactly those bytes are taken off, so nothing is lost",
+                "Nothing has to be done; a switch or jumper of the adapter (local echo, receive enable) turns it off",
+            ),
+            Self::Collision => (
+                "Something else came back than was sent",
+                "Two stations sent at once: a second master is on the line, or a module answers too late",
+                "Look for another program, controller or gateway that asks on the same line, and disconnect it",
+            ),
+            Self::Lost => (
+                "Some answers do not come",
+                "The timeout is too short for the module and the adapter's latency, or the contact is bad",
+                "Use the suggested timeout; if answers still get lost, check terminals, power and the cable",
+            ),
+            Self::Late => (
+                "Answers come too late",
+                "The timeout is shorter than the module, the adapter or a gateway on the way takes",
+                "Set a longer timeout, and a shorter latency timer of the adapter",
+            ),
+            Self::Stopped => (
+                "It has stopped answering",
+                "Its power or cable is gone, or its address or speed was changed",
+                "Check its power and terminals; then scan for it",
+            ),
+            Self::CutShort => (
+                "Answers end too early",
+                "A bad contact, a module that loses power while it sends, or an adapter that switches its driver too early",
+                "Check the terminals and the supply under load; try another adapter",
+            ),
+            Self::WrongAddress => (
+                "Another module answers",
+                "A late answer of another module, or two modules with mixed-up settings",
+                "Ask the modules one by one, with the others switched off, and compare their addresses",
+            ),
+            Self::Refused => (
+                "The module refused requests",
+                "The line is fine. The module does not have what was asked, or not in this mode",
+                "What needs INIT is changed in INIT mode only; a value out of range is refused; the traffic shows which \
+                 request it was",
+            ),
+            Self::WatchdogTripped => (
+                "The host watchdog has tripped",
+                "The module heard no Host OK in time; its outputs hold their safe value and ignore commands",
+                "Clear it: \"Clear the watchdog\" in the module's tab Host WDT, or `dcon-bench action clear_watchdog` (~AA1)",
+            ),
+            Self::NoPermission => (
+                "The port may not be opened",
+                if cfg!(windows) { "Another program has it open" } else { "Your user is not in the group of the port" },
+                if cfg!(windows) {
+                    "Close the program that has the port, and try again"
+                } else {
+                    "`sudo usermod -a -G dialout $USER`, then log out and in again"
+                },
+            ),
+            Self::PortVanished => (
+                "The port is not there, or vanishes",
+                if cfg!(target_os = "linux") {
+                    "The adapter was pulled, or brltty (for braille displays) takes CH340 and CP210x adapters as soon as \
+                     they are plugged in"
+                } else {
+                    "The adapter was pulled, has a bad contact, or lacks its driver"
+                },
+                if cfg!(target_os = "linux") {
+                    "Plug it in again and look at `sudo dmesg`; if brltty is named there: `sudo apt remove brltty`, or \
+                     `sudo systemctl mask brltty.path brltty-udev.service`"
+                } else {
+                    "Plug it in again at another USB port, without a hub; install the adapter's driver"
+                },
+            ),
+            Self::PortBusy => (
+                "The port is in use",
+                "Another program holds it",
+                if cfg!(target_os = "linux") {
+                    "Close that program; `sudo fuser -v` with the port's name tells which it is"
+                } else {
+                    "Close that program, and try again"
+                },
+            ),
+            Self::NotOpened => (
+                "The line cannot be opened",
+                "The adapter or the network does not take the request",
+                "Unplug and replug the adapter, or check the cable, the address and the port number of the network line",
+            ),
+            Self::SlowAdapter => (
+                "The adapter holds answers back",
+                "Its latency timer waits in case that more bytes come, 16 ms as adapters are sold; each answer is later by \
+                 up to that",
+                "Set the timer to 1 ms",
+            ),
+        }
+    }
+}
+
+/// The likely reason of a Modbus exception.
+pub fn exception_reason(code: u8) -> &'static str {
+    match code {
+        1 => "the module does not have this function, or not over this line",
+        2 => "it does not have this register, or not in this mode",
+        3 => "the value is out of range, or may be changed in INIT mode only",
+        _ => "the module could not do it",
+    }
+}
+
+/// The likely reason of a DCON `?AA`.
+pub const DCON_REASON: &str = "the module does not have this command, its value is out of range, or it needs INIT mode";
