@@ -1,7 +1,7 @@
 //! The handle by which the window and the command line use the bus thread.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -35,6 +35,8 @@ pub struct Bus {
     events: Option<Receiver<BusEvent>>,
     next_id: AtomicU64,
     thread: Option<Running>,
+    /// A scan is to end at once.
+    hurry: Arc<AtomicBool>,
 }
 
 struct Running {
@@ -57,21 +59,23 @@ impl Bus {
     ) -> std::io::Result<Self> {
         let (commands, command_queue) = mpsc::sync_channel(COMMAND_ROOM);
         let (event_queue, events) = mpsc::sync_channel(EVENT_ROOM);
-        let worker = Worker::new(catalogue, command_queue, event_queue, Box::new(wake), list_ports);
+        let hurry = Arc::<AtomicBool>::default();
+        let worker = Worker::new(catalogue, command_queue, event_queue, Box::new(wake), list_ports, hurry.clone());
         let (alive, ended) = mpsc::channel();
         let thread = std::thread::Builder::new().name("bus".to_owned()).spawn(move || {
             let _alive: Sender<()> = alive;
             worker.run();
         })?;
         let thread = Some(Running { thread, ended });
-        Ok(Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread })
+        Ok(Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread, hurry })
     }
 
     /// A handle without a thread: whoever holds the other ends plays the bus, at times of its own choice.
     pub fn detached() -> (Self, Receiver<BusCommand>, SyncSender<BusEvent>) {
         let (commands, command_queue) = mpsc::sync_channel(COMMAND_ROOM);
         let (event_queue, events) = mpsc::sync_channel(EVENT_ROOM);
-        let bus = Self { commands: Some(commands), events: Some(events), next_id: AtomicU64::new(1), thread: None };
+        let (next_id, hurry) = (AtomicU64::new(1), Arc::default());
+        let bus = Self { commands: Some(commands), events: Some(events), next_id, thread: None, hurry };
         (bus, command_queue, event_queue)
     }
 
@@ -82,6 +86,9 @@ impl Bus {
 
     pub fn send(&self, command: BusCommand) -> Result<(), BusGone> {
         let commands = self.commands.as_ref().ok_or(BusGone::Ended)?;
+        if matches!(command, BusCommand::CancelScan | BusCommand::Open { .. } | BusCommand::Close { .. }) {
+            self.hurry.store(true, Ordering::Relaxed);
+        }
         commands.try_send(command).map_err(|error| match error {
             TrySendError::Full(_) => BusGone::Full,
             TrySendError::Disconnected(_) => BusGone::Ended,
@@ -105,6 +112,7 @@ impl Bus {
 
 impl Drop for Bus {
     fn drop(&mut self) {
+        self.hurry.store(true, Ordering::Relaxed);
         // Without both ends the thread can neither wait for a command nor for room for an event.
         self.commands = None;
         self.events = None;

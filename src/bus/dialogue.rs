@@ -1,6 +1,8 @@
 //! A conversation with the modules of one line, in whichever protocol each of them speaks.
 
 use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
@@ -34,6 +36,8 @@ pub struct Dialogue {
     counts: Statistics,
     /// What DCON modules answered when they were asked for their name.
     pub(super) names: HashMap<Target, Vec<u8>>,
+    /// Set by somebody who wants a scan to end at once.
+    hurry: Arc<AtomicBool>,
 }
 
 pub(super) enum Link {
@@ -60,14 +64,14 @@ impl Dialogue {
                 Link::Tcp(Box::new(link.map_err(not_reached)?))
             }
         };
-        Ok(Self { link, runtime, counts: Statistics::default(), names: HashMap::new() })
+        Ok(Self { link, runtime, counts: Statistics::default(), names: HashMap::new(), hurry: Arc::default() })
     }
 
     /// For someone who has a line already.
     pub fn on_wire(wire: Wire) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let link = Link::Wire(Box::new(wire));
-        Ok(Self { link, runtime, counts: Statistics::default(), names: HashMap::new() })
+        Ok(Self { link, runtime, counts: Statistics::default(), names: HashMap::new(), hurry: Arc::default() })
     }
 
     /// What is to be remembered when the line is opened anew: its counts, whether it echoes, and its clock, which goes on
@@ -89,6 +93,11 @@ impl Dialogue {
                 wire.keep_clock(clock);
             }
         }
+    }
+
+    /// Questions of a scan are not asked any more while `hurry` is set.
+    pub fn stop_scans_by(&mut self, hurry: Arc<AtomicBool>) {
+        self.hurry = hurry;
     }
 
     /// Stamps nothing earlier than `floor` from now on, whatever the system's clock shows.
@@ -263,7 +272,7 @@ pub struct Speaker<'a> {
 }
 
 impl Speaker<'_> {
-    /// Leaves failures out of the error statistics: a scan expects silence.
+    /// For scans: leaves failures out of the error statistics, as silence is expected, and ends when it is told to.
     pub fn uncounted(mut self) -> Self {
         self.counted = false;
         self
@@ -306,6 +315,9 @@ impl Ask for Speaker<'_> {
         let mut repeated = 0u8;
         let window = if query.is_write() { Patience::WRITE_WINDOW } else { self.patience.window };
         loop {
+            if !self.counted && self.dialogue.hurry.load(Ordering::Relaxed) {
+                return Err(Failure::Silent);
+            }
             let outcome = self.dialogue.once(&self.target, query, window);
             self.dialogue.count(outcome.as_ref().err().filter(|_| self.counted));
             let Err(failure) = &outcome else {

@@ -13,6 +13,13 @@ const IDLE_INTERVAL: Duration = Duration::from_secs(1);
 const LONGEST_SILENCE: Duration = Duration::from_secs(10);
 /// The same where no module answers, so that no probe holds up another.
 const LONGEST_SILENCE_ALONE: Duration = Duration::from_secs(2);
+/// A module that fell silent a shorter time ago is probed at its interval: a fault of the line passes, and then all are to be
+/// back at once.
+const SHORT_SILENCE: Duration = Duration::from_secs(10);
+/// Such probes take one part in so many of the line at most, all silent modules together.
+const SHARE_OF_PROBES: u32 = 4;
+/// Modules that fell silent within so long of each other did so for the same reason.
+const SAME_REASON: Duration = Duration::from_secs(5);
 /// A probe that fails at once must not be repeated at once.
 const SHORTEST_COST: Duration = Duration::from_millis(50);
 
@@ -25,11 +32,18 @@ struct Turn<K> {
     began: Option<Instant>,
     /// Polls without answer in a row.
     silences: u32,
+    /// When the first of them was over.
+    silent_since: Option<Instant>,
 }
 
 impl<K> Turn<K> {
-    /// How long a silent module is left alone, `cost` being what its last probe took.
-    fn respite(&self, cost: Duration, longest: Duration) -> Duration {
+    /// How long one of so many silent modules is left alone at `now`, `cost` being what its last probe took.
+    fn respite(&self, cost: Duration, longest: Duration, silent: u32, now: Instant) -> Duration {
+        let since = self.silent_since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since));
+        if !self.interval.is_zero() && since < SHORT_SILENCE {
+            let shared = cost.saturating_mul(SHARE_OF_PROBES).saturating_mul(silent);
+            return shared.min(longest).max(self.interval);
+        }
         let base = if self.interval.is_zero() { cost.max(SHORTEST_COST) } else { self.interval };
         let doubled = base.saturating_mul(1u32.checked_shl(self.silences).unwrap_or(u32::MAX));
         doubled.min(longest).max(self.interval)
@@ -53,7 +67,7 @@ impl<K: Copy + PartialEq> Schedule<K> {
     pub fn add(&mut self, key: K, interval: Duration, now: Instant) {
         self.remove(key);
         let interval = interval.min(LONGEST_INTERVAL);
-        self.turns.push(Turn { key, interval, due: now, began: None, silences: 0 });
+        self.turns.push(Turn { key, interval, due: now, began: None, silences: 0, silent_since: None });
     }
 
     pub fn remove(&mut self, key: K) {
@@ -85,11 +99,17 @@ impl<K: Copy + PartialEq> Schedule<K> {
     pub fn heard(&mut self, key: K, now: Instant) {
         let nobody_answered = !self.anyone_answers();
         let Some(turn) = self.turn(key) else { return };
-        let was_silent = std::mem::take(&mut turn.silences) > 0;
-        turn.due = if was_silent { turn.due.min(now + turn.interval) } else { turn.due };
-        if nobody_answered {
-            let others = self.turns.iter_mut().filter(|turn| turn.key != key);
-            others.for_each(|turn| turn.due = turn.due.min(now));
+        turn.silences = 0;
+        let silent_since = turn.silent_since.take();
+        turn.due = if silent_since.is_some() { turn.due.min(now + turn.interval) } else { turn.due };
+        let same_reason = |other: Option<Instant>| match (silent_since, other) {
+            (Some(one), Some(other)) => one.max(other).duration_since(one.min(other)) <= SAME_REASON,
+            _ => false,
+        };
+        for turn in self.turns.iter_mut().filter(|turn| turn.key != key) {
+            if nobody_answered || same_reason(turn.silent_since) {
+                turn.due = turn.due.min(now);
+            }
         }
     }
 
@@ -97,11 +117,14 @@ impl<K: Copy + PartialEq> Schedule<K> {
     pub fn stayed_silent(&mut self, key: K, now: Instant) {
         let Some(turn) = self.turn(key) else { return };
         turn.silences = turn.silences.saturating_add(1);
+        turn.silent_since.get_or_insert(now);
+        let silent = self.turns.iter().filter(|turn| turn.silences > 0).count();
+        let silent = u32::try_from(silent).unwrap_or(u32::MAX);
         let alone = !self.anyone_answers();
         let longest = if alone { LONGEST_SILENCE_ALONE } else { LONGEST_SILENCE };
         let Some(turn) = self.turn(key) else { return };
         let cost = turn.began.map(|began| now.saturating_duration_since(began));
-        turn.due = now + turn.respite(cost.unwrap_or_default(), longest);
+        turn.due = now + turn.respite(cost.unwrap_or_default(), longest, silent, now);
         if alone {
             // Those that have long been silent are waited for no longer than this one.
             for turn in &mut self.turns {
@@ -125,7 +148,7 @@ impl<K: Copy + PartialEq> Schedule<K> {
     /// All are asked at once, as if they had never been asked before.
     pub fn begin_anew(&mut self, now: Instant) {
         for turn in &mut self.turns {
-            (turn.due, turn.silences) = (now, 0);
+            (turn.due, turn.silences, turn.silent_since) = (now, 0, None);
         }
     }
 

@@ -26,9 +26,9 @@ pub const SETTLE: Duration = Duration::from_millis(20);
 const BYTE_GAP: Duration = Duration::from_millis(30);
 /// Quiet that is waited for while answers come more than once; longer than modules differ in their response delays
 /// (0 to 30 ms, PIR-234 manual 5.24) and adapters in their latency.
-const WARY_QUIET: Duration = Duration::from_millis(50);
+const WARY_QUIET: Duration = Duration::from_millis(40);
 /// How long a line is distrusted after an answer too many.
-const WARY_FOR: Duration = Duration::from_secs(10);
+const WARY_FOR: Duration = Duration::from_secs(1);
 /// Remembered of answers out of step.
 const MOST_SPOILED: usize = 64;
 /// Fewer bytes are not a spoiled answer: the answer itself may still come.
@@ -192,7 +192,7 @@ impl Wire {
     /// bit to the answer's first byte. Waits until no answer to an earlier question can be taken for this one's.
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
         let shape = Shape::of_request(request, expected);
-        if let Some(until) = shape.and_then(|shape| self.debts.until(shape, request, self.line.now())) {
+        while let Some(until) = shape.and_then(|shape| self.debts.until(shape, request, self.line.now())) {
             self.listen_until(until, expected)?;
         }
         let Spoken { outcome, sent, surplus, .. } = self.speak(request, expected, window);
@@ -257,7 +257,7 @@ impl Wire {
     ) -> Result<(), LineLost> {
         self.ended = None;
         self.clock.follow(self.line.now(), self.line.wall());
-        self.become_quiet(expected)?;
+        self.become_quiet(request, expected)?;
         self.line.purge()?;
         let started = self.line.now();
         self.line.send(request)?;
@@ -355,50 +355,44 @@ impl Wire {
     }
 
     /// Waits until a request may be sent without running into anything.
-    fn become_quiet(&mut self, expected: &Expected) -> Result<(), LineLost> {
-        let wary = self.wary_until.is_some_and(|until| self.line.now() < until);
-        if !self.disturbed {
-            let silence = match expected {
-                _ if wary => WARY_QUIET,
-                Expected::Rtu { .. } => self.settings.frame_silence(),
-                _ => Duration::ZERO,
-            };
-            self.line.wait_until(self.last_activity + silence);
-            self.disturbed = self.drop_received(expected)?;
-        }
+    fn become_quiet(&mut self, request: &[u8], expected: &Expected) -> Result<(), LineLost> {
+        let wary = self.is_wary(request, expected);
         if self.disturbed {
-            self.settle(expected, if wary { WARY_QUIET } else { SETTLE })?;
+            return self.settle(expected, if wary { WARY_QUIET } else { SETTLE });
         }
-        Ok(())
-    }
-
-    /// Drops what has arrived although nobody was asked. False if there was nothing.
-    fn drop_received(&mut self, expected: &Expected) -> Result<bool, LineLost> {
+        let silence = match expected {
+            _ if wary => WARY_QUIET,
+            Expected::Rtu { .. } => self.settings.frame_silence(),
+            _ => Duration::ZERO,
+        };
+        self.line.wait_until(self.last_activity + silence);
         let mut buffer = [0; 256];
         let count = self.line.receive(&mut buffer, self.line.now())?;
-        if count == 0 {
-            return Ok(false);
+        if count > 0 {
+            self.last_activity = self.line.now();
+            self.settle_after(buffer.get(..count).unwrap_or_default().to_vec(), expected, SETTLE)?;
         }
-        self.last_activity = self.line.now();
-        self.note_unasked(buffer.get(..count).unwrap_or_default().to_vec(), expected);
-        Ok(true)
+        Ok(())
     }
 
-    /// Listens to nobody in particular until `until`, which late answers may use.
+    /// Whether a second answer to the question before is to be expected that could be taken for one to this.
+    fn is_wary(&self, request: &[u8], expected: &Expected) -> bool {
+        let lately = self.wary_until.is_some_and(|until| self.line.now() < until);
+        let shape = Shape::of_request(request, expected);
+        let before = self.answered.as_ref().map(|(before, _)| *before);
+        lately && before.zip(shape).is_some_and(|(before, shape)| before.could_answer(shape))
+    }
+
+    /// Waits for an answer that is late, until `until` at most; whatever comes is dropped as a whole.
     fn listen_until(&mut self, until: Instant, expected: &Expected) -> Result<(), LineLost> {
-        let mut dropped = Vec::new();
         let mut buffer = [0; 256];
-        while dropped.len() < MOST_BYTES {
-            let count = self.line.receive(&mut buffer, until)?;
-            if count == 0 {
-                break;
-            }
-            self.last_activity = self.line.now();
-            dropped.extend(buffer.iter().take(count));
+        let count = self.line.receive(&mut buffer, until)?;
+        if count == 0 {
+            self.line.wait_until(until);
+            return Ok(());
         }
-        self.line.wait_until(until);
-        self.note_unasked(dropped, expected);
-        Ok(())
+        self.last_activity = self.line.now();
+        self.settle_after(buffer.get(..count).unwrap_or_default().to_vec(), expected, SETTLE)
     }
 
     /// Bytes that belong to no request: perhaps an answer that was late, perhaps one too many.
@@ -418,10 +412,14 @@ impl Wire {
 
     /// Drops everything until the line has been quiet for `quiet` or 3.5 characters.
     fn settle(&mut self, expected: &Expected, quiet: Duration) -> Result<(), LineLost> {
+        self.settle_after(Vec::new(), expected, quiet)
+    }
+
+    /// As [`Self::settle`], when these bytes were dropped already.
+    fn settle_after(&mut self, mut dropped: Vec<u8>, expected: &Expected, quiet: Duration) -> Result<(), LineLost> {
         let quiet = quiet.max(self.settings.frame_silence());
         let give_up = self.line.now() + MOST_SETTLING;
         let mut buffer = [0; 256];
-        let mut dropped = Vec::new();
         loop {
             let deadline = self.last_activity + quiet;
             let count = self.line.receive(&mut buffer, deadline)?;

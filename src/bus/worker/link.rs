@@ -102,6 +102,7 @@ impl Worker {
         match Dialogue::open(&address, settings, self.tap(&frames_missed)) {
             Ok(mut dialogue) => {
                 dialogue.not_before(self.latest);
+                dialogue.stop_scans_by(self.hurry.clone());
                 let (dialogue, look_at) = (Some(dialogue), Instant::now() + LOOK_EVERY);
                 let told = Told::new(0);
                 self.line =
@@ -140,6 +141,7 @@ impl Worker {
     }
 
     fn forget_line(&mut self) {
+        self.hurry.store(false, Ordering::Relaxed);
         self.timestamp();
         self.end_scan(true);
         self.reading = None;
@@ -209,7 +211,7 @@ impl Worker {
             let dialogue = Dialogue::open(&address, line.settings, self.tap(&line.frames_missed));
             dialogue.map(|dialogue| (self.port_of(&address), address, dialogue))
         });
-        let floor = self.latest;
+        let (floor, hurry) = (self.latest, self.hurry.clone());
         let Some(line) = self.line.as_mut() else { return };
         match opened {
             Some(Ok((port, address, mut dialogue))) => {
@@ -217,6 +219,7 @@ impl Worker {
                     dialogue.remember(memory);
                 }
                 dialogue.not_before(floor);
+                dialogue.stop_scans_by(hurry);
                 self.watches.begin_anew(dialogue.now());
                 line.dialogue = Some(dialogue);
                 line.port = port.or(line.port.take());

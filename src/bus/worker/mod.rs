@@ -11,6 +11,7 @@ mod scanning;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -38,6 +39,8 @@ pub struct Worker {
     unannounced: bool,
     tuning: Tuning,
     list_ports: ListPorts,
+    /// Set from outside when a scan is to end at once.
+    hurry: Arc<AtomicBool>,
     ended: bool,
     line: Option<OpenLine>,
     queue: Queue,
@@ -61,6 +64,7 @@ impl Worker {
         events: SyncSender<BusEvent>,
         wake: Box<dyn Fn() + Send>,
         list_ports: ListPorts,
+        hurry: Arc<AtomicBool>,
     ) -> Self {
         Self {
             catalogue,
@@ -70,6 +74,7 @@ impl Worker {
             unannounced: false,
             tuning: Tuning::default(),
             list_ports,
+            hurry,
             ended: false,
             line: None,
             queue: Queue::default(),
@@ -132,7 +137,10 @@ impl Worker {
 
     fn take(&mut self, command: BusCommand) {
         match command {
-            BusCommand::CancelScan => self.cancel_scans(),
+            BusCommand::CancelScan => {
+                self.hurry.store(false, Ordering::Relaxed);
+                self.cancel_scans();
+            }
             BusCommand::Unwatch { target } => self.unwatch(&target),
             BusCommand::StopRepeating { target, action } => self.stop_repeating(&target, &action),
             BusCommand::PauseScan(paused) if !self.queue.has_scan() => self.pause_scan(paused),
