@@ -119,15 +119,13 @@ impl Dialogue {
 
     /// Asks a DCON module for its name. Without one that is known there is nothing to compare, and nothing is asked.
     fn ask_for_known_name(&mut self, target: &Target, window: Duration, alone: Alone) -> Result<(), Failure> {
-        let Some(known) = self.names.get(target).cloned() else { return Ok(()) };
+        let Some(name) = self.names.get_mut(target) else { return Ok(()) };
         let Link::Wire(wire) = &mut self.link else { return Ok(()) };
         let request = dcon::encode(&name_text(target.address), target.checksum);
         let from = AnswerFrom::Addresses(vec![target.address]);
         let expected = Expected::Dcon { checksum: target.checksum, from };
         let answer = alone.probe(wire, &request, &expected, window)?;
-        if answer != known {
-            // Either the answers are out of step, or another module is there now; asked anew, it tells its name again.
-            self.names.remove(target);
+        if !name.is_confirmed_by(&answer, target.checksum) {
             let reason = "the answer belongs to another question, or another module answers here now".to_owned();
             return Err(Failure::Garbled { reason, bytes: answer });
         }
@@ -154,16 +152,46 @@ impl Dialogue {
     /// Remembers what a DCON module calls itself.
     pub(super) fn note_name(&mut self, target: &Target, query: &Query, answer: &[u8]) {
         let asked_for_name = matches!(query, Query::Dcon { text, .. } if *text == name_text(target.address));
-        let is_name = dcon::decode(answer, target.checksum)
-            .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if has_other_than_hex_digits(&text)));
         // In INIT mode the answer may carry another address, and whoever is there is not for long.
-        if asked_for_name && is_name && target.address != INIT_ADDRESS {
+        if asked_for_name && is_name(answer, target.checksum) && target.address != INIT_ADDRESS {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
-            self.names.insert(*target, answer.to_vec());
+            self.names.insert(*target, Name { known: answer.to_vec(), claimed: None });
         }
     }
+}
+
+/// What a DCON module answered when it was asked for its name.
+#[derive(Debug, Clone)]
+pub struct Name {
+    known: Vec<u8>,
+    /// Another name that was answered last: the second time it is the module's.
+    claimed: Option<Vec<u8>>,
+}
+
+impl Name {
+    /// Whether `answer` is the name that is known. Another module may have been put in the place of the one that was
+    /// known: it is believed when it repeats its name.
+    fn is_confirmed_by(&mut self, answer: &[u8], checksum: bool) -> bool {
+        if answer == self.known {
+            self.claimed = None;
+            return true;
+        }
+        let repeated = self.claimed.as_deref() == Some(answer);
+        self.claimed = is_name(answer, checksum).then(|| answer.to_vec());
+        if repeated && self.claimed.is_some() {
+            self.known = answer.to_vec();
+        }
+        false
+    }
+}
+
+/// Most answers are digits and signs; a name that looks like one of those proves nothing.
+fn is_name(answer: &[u8], checksum: bool) -> bool {
+    let other_than_digits = |c: char| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.');
+    dcon::decode(answer, checksum)
+        .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if text.chars().any(other_than_digits)))
 }
 
 /// Whether other bytes may come with the answer to a probe. In the right order they come before it, as a late answer
@@ -196,9 +224,4 @@ fn name_text(address: u8) -> String {
 
 fn name_query(address: u8) -> Query {
     Query::Dcon { text: name_text(address), from: AnswerFrom::Addresses(vec![address]), write: false }
-}
-
-/// Most answers are digits and signs; a name that looks like one of those proves nothing.
-fn has_other_than_hex_digits(text: &str) -> bool {
-    text.chars().any(|c| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.'))
 }

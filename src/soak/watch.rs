@@ -17,7 +17,7 @@ use crate::record::{Micros, micros_of, timestamp};
 use crate::sim::Faults;
 
 /// The line's clock as far as the answers tell it: it may be hours ahead of the system's after that was set.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct LineClock {
     newest: Option<(Timestamp, Instant)>,
 }
@@ -95,11 +95,14 @@ impl Watch {
         self.look_at_traffic(bench);
         self.statistics = bench.statistics().clone();
         let fresh = self.fresh(bench);
+        // The line's clock may have jumped between two of them.
+        let before = self.clock.clone();
         for (_, _, at, _) in &fresh {
             self.clock.note(*at, now);
         }
         for (target, id, at, value) in fresh {
-            self.judge(&target, &id, at, &value, phase, now);
+            let measured = [&self.clock, &before].map(|clock| clock.instant(at, now).unwrap_or(now));
+            self.judge(&target, &id, at, &value, phase, measured);
         }
     }
 
@@ -141,10 +144,10 @@ impl Watch {
         fresh
     }
 
-    fn judge(&mut self, target: &Target, id: &str, at: Timestamp, value: &str, phase: &str, now: Instant) {
+    fn judge(&mut self, target: &Target, id: &str, at: Timestamp, value: &str, phase: &str, measured: [Instant; 2]) {
         self.values.accepted = self.values.accepted.saturating_add(1);
-        let measured = self.clock.instant(at, now).unwrap_or(now);
-        let judgement = self.truth.judge(target.address, id, value, measured);
+        let [judgement, before] = measured.map(|measured| self.truth.judge(target.address, id, value, measured));
+        let judgement = if before == Judgement::Right { before } else { judgement };
         let count = match judgement {
             Judgement::Right => return,
             Judgement::NotKnown => &mut self.values.not_known,

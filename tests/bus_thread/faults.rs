@@ -1,6 +1,6 @@
 //! What must hold on a line that goes wrong, whatever goes wrong on it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use dcon_bench::bus::{BusCommand, BusEvent, ItemSet, Target, Values};
@@ -82,13 +82,24 @@ fn faults(all: &[&str]) -> Faults {
     faults
 }
 
+/// Frames shown before a value that is wrong.
+const MOST_SHOWN: usize = 60;
+
 /// Polls with `faults` on, and returns how many values came; each has to be what its own module says.
 fn poll_with(line: &Line, truth: &Truth, all: Faults, polls: usize) -> usize {
     let name: Vec<String> = all.iter().map(|fault| fault.to_string()).collect();
     let twin = all.is_on(FaultKind::Twin);
     line.sim.set_faults(all);
     let (mut seen, mut values_seen) = (0, 0);
+    let mut frames: VecDeque<String> = VecDeque::new();
     line.until(|event| {
+        if let BusEvent::Traffic(frame) = event {
+            let bytes = frame.bytes.escape_ascii();
+            frames.push_back(format!("{:.3} {:?} {:?} {bytes}", frame.at, frame.direction, frame.verdict));
+            if frames.len() > MOST_SHOWN {
+                frames.pop_front();
+            }
+        }
         if let Some((target, values)) = told(event) {
             seen += usize::from(matches!(event, BusEvent::Read { .. }));
             for answer in values {
@@ -96,12 +107,8 @@ fn poll_with(line: &Line, truth: &Truth, all: Faults, polls: usize) -> usize {
                 values_seen += 1;
                 // The second of two modules at an address is a module, too.
                 if !(twin && target.address == 1) {
-                    assert_eq!(
-                        Some(value),
-                        truth.get(&(target, answer.id.clone())),
-                        "{name:?}: {target} {}",
-                        answer.id
-                    );
+                    let right = truth.get(&(target, answer.id.clone()));
+                    assert_eq!(Some(value), right, "{name:?}: {target} {} after {frames:#?}", answer.id);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Answers that may still come, so that none of them is taken for that of a later question.
 //!
 //! A module answers in the order in which it was asked. So a debt is paid when a later question that cannot be mistaken
-//! is answered, when the missing answer is seen after all, or when [`LATEST`] has passed.
+//! is answered, a moment after the missing answer is seen after all, or when [`LATEST`] has passed.
 
 use std::time::{Duration, Instant};
 
@@ -11,8 +11,11 @@ use crate::bus::judge::{self, Expected, Verdict};
 /// An answer does not come later than this after the end of its request, be it through a busy adapter, a hub, a virtual
 /// machine or a converter on a network.
 pub const LATEST: Duration = Duration::from_secs(2);
+/// An answer that comes twice does so within this time: modules at one address differ by up to 30 ms in their response
+/// delay (PIR-234 manual 5.24), to which the answer's own time and the adapter's latency are added.
+const SECOND_COPY: Duration = Duration::from_millis(100);
 /// A line on which more is owed is in no state to be spoken to anyway.
-const MOST: usize = 32;
+const MOST: usize = 64;
 
 /// A question whose answer has not come.
 #[derive(Debug, Clone)]
@@ -21,9 +24,11 @@ struct Debt {
     request: Vec<u8>,
     expected: Expected,
     until: Instant,
+    /// It has come, when it was too late; only a second copy may follow.
+    paid: bool,
 }
 
-/// All answers that may still come.
+/// All answers that may still come, in the order of their questions.
 #[derive(Debug, Default)]
 pub struct Debts {
     all: Vec<Debt>,
@@ -32,34 +37,38 @@ pub struct Debts {
 impl Debts {
     /// `request` was sent until `sent` and has no answer.
     pub fn note(&mut self, shape: Shape, request: &[u8], expected: &Expected, sent: Instant) {
-        self.all.retain(|debt| debt.until > sent && (debt.shape, debt.request.as_slice()) != (shape, request));
+        self.all.retain(|debt| debt.until > sent);
         if self.all.len() >= MOST {
             self.all.remove(0);
         }
         let until = sent.checked_add(LATEST).unwrap_or(sent);
-        self.all.push(Debt { shape, request: request.to_vec(), expected: expected.clone(), until });
+        self.all.push(Debt { shape, request: request.to_vec(), expected: expected.clone(), until, paid: false });
     }
 
-    /// A question that cannot be mistaken was answered: everything that was asked of this module before is over.
-    pub fn paid_up_to(&mut self, shape: Shape) {
-        self.all.retain(|debt| !debt.shape.asks_whom(shape));
+    /// `request`, sent until `sent`, has an answer. If the same was asked before without one, the answer is to the first
+    /// of these questions, and the last is still owed.
+    pub fn answered(&mut self, shape: Shape, request: &[u8], expected: &Expected, sent: Instant) {
+        self.all.retain(|debt| debt.until > sent);
+        let owed = |debt: &Debt| !debt.paid && debt.shape.asks_whom(shape) && debt.shape.could_answer(shape);
+        let Some(first) = self.all.iter().position(owed) else { return self.paid_up_to(shape) };
+        self.pay_up_to(first);
+        self.note(shape, request, expected, sent);
     }
 
-    /// Bytes that nobody asked for at this moment may be what is owed.
-    pub fn seen(&mut self, bytes: &[u8]) {
-        self.all.retain(|debt| {
-            let verdict = judge::so_far(&debt.request, &debt.expected, bytes, false);
-            !matches!(verdict, Verdict::Answer { .. })
-        });
+    /// Bytes that nobody asked for at this moment may be what is owed; a second time it comes soon, if at all.
+    pub fn seen(&mut self, bytes: &[u8], now: Instant) {
+        let mut rest = bytes;
+        while let Some((index, after)) = self.first_paid_by(rest) {
+            if let Some(debt) = self.all.get_mut(index) {
+                debt.paid = true;
+                debt.until = debt.until.min(now.checked_add(SECOND_COPY).unwrap_or(now));
+            }
+            rest = rest.get(after..).unwrap_or_default();
+        }
     }
 
     pub fn clear(&mut self) {
         self.all.clear();
-    }
-
-    /// What is owed that could be taken for the answer to `shape`.
-    fn against(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
-        self.all.iter().filter(move |debt| debt.until > now && debt.shape.could_answer(shape))
     }
 
     /// Until when `request` must not be sent; `None` if it may be at once.
@@ -77,5 +86,44 @@ impl Debts {
             }
         }
         shapes
+    }
+
+    /// What is owed that could be taken for the answer to `shape`.
+    fn against(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
+        self.all.iter().filter(move |debt| debt.until > now && debt.shape.could_answer(shape))
+    }
+
+    /// A question that cannot be mistaken was answered: everything that was asked of this module before is over.
+    fn paid_up_to(&mut self, shape: Shape) {
+        self.all.retain(|debt| !debt.shape.asks_whom(shape));
+    }
+
+    /// The debt at `last` is paid, and with it everything that was asked of the same module before.
+    fn pay_up_to(&mut self, last: usize) {
+        let Some(shape) = self.all.get(last).map(|debt| debt.shape) else { return };
+        let mut index = 0usize;
+        self.all.retain(|debt| {
+            let over = index <= last && debt.shape.asks_whom(shape);
+            index = index.saturating_add(1);
+            !over
+        });
+    }
+
+    /// The oldest debt whose answer begins `bytes`, or stands in them after others' bytes, and where that answer ends.
+    fn first_paid_by(&self, bytes: &[u8]) -> Option<(usize, usize)> {
+        let mut found: Option<(usize, usize)> = None;
+        for (index, debt) in self.all.iter().enumerate().filter(|(_, debt)| !debt.paid) {
+            let Verdict::Answer { bytes: answer, .. } = judge::so_far(&debt.request, &debt.expected, bytes, false)
+            else {
+                continue;
+            };
+            let begins = bytes.windows(answer.len().max(1)).position(|window| window == answer);
+            let ends = begins.unwrap_or_default().saturating_add(answer.len());
+            // What stands first in the bytes was answered first.
+            if found.is_none_or(|(_, first)| ends < first) {
+                found = Some((index, ends));
+            }
+        }
+        found
     }
 }

@@ -7,6 +7,8 @@
 mod debts;
 mod shape;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
@@ -26,9 +28,11 @@ pub const SETTLE: Duration = Duration::from_millis(20);
 const BYTE_GAP: Duration = Duration::from_millis(30);
 /// Quiet that is waited for while answers come more than once; longer than modules differ in their response delays
 /// (0 to 30 ms, PIR-234 manual 5.24) and adapters in their latency.
-const WARY_QUIET: Duration = Duration::from_millis(40);
+const WARY_QUIET: Duration = Duration::from_millis(60);
 /// How long a line is distrusted after an answer too many.
 const WARY_FOR: Duration = Duration::from_secs(1);
+/// How long a wait for a late answer goes on before it is looked whether somebody is in a hurry.
+const LATE_SLICE: Duration = Duration::from_millis(20);
 /// Remembered of answers out of step.
 const MOST_SPOILED: usize = 64;
 /// Fewer bytes are not a spoiled answer: the answer itself may still come.
@@ -68,6 +72,7 @@ pub struct Wire {
     spoiled: Vec<Shape>,
     /// Until when answers that come twice are expected.
     wary_until: Option<Instant>,
+    hurry: Arc<AtomicBool>,
     /// From the end of the last answered request to the first byte of its answer.
     answer_time: Option<Duration>,
     /// When the last exchange was over; `None` if the line failed before.
@@ -92,6 +97,7 @@ impl Wire {
             doubtful: Vec::new(),
             spoiled: Vec::new(),
             wary_until: None,
+            hurry: Arc::default(),
             answer_time: None,
             ended: None,
         })
@@ -168,10 +174,14 @@ impl Wire {
         self.debts.shapes(shape, self.line.now())
     }
 
-    /// Whoever was asked with `shape` has shown that nothing of what it was asked before is still to come.
+    /// Whoever was asked with `shape` has shown that no answer to it was taken for another's.
     pub fn clear_up(&mut self, shape: Shape) {
-        self.debts.paid_up_to(shape);
         self.doubtful.retain(|doubtful| !doubtful.asks_whom(shape));
+    }
+
+    /// Waits for late answers end while `hurry` is set.
+    pub fn hurry_by(&mut self, hurry: Arc<AtomicBool>) {
+        self.hurry = hurry;
     }
 
     /// What is not certain of the answers of the module that is asked with `shape`.
@@ -193,36 +203,42 @@ impl Wire {
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
         let shape = Shape::of_request(request, expected);
         while let Some(until) = shape.and_then(|shape| self.debts.until(shape, request, self.line.now())) {
-            self.listen_until(until, expected)?;
+            self.wait_for_late(until, expected)?;
         }
-        let Spoken { outcome, sent, surplus, .. } = self.speak(request, expected, window);
-        let Some(shape) = shape else { return outcome };
-        match &outcome {
-            Ok(_) => self.note_answer(shape, request, surplus),
-            Err(failure) if leaves_answer_open(failure) => self.debts.note(shape, request, expected, sent),
-            Err(_) => {}
-        }
-        outcome
+        self.speak_and_note(request, expected, window).map(|(answer, _)| answer)
     }
 
     /// As [`Self::exchange`], but for a question whose answer the caller can tell from all others: it is sent at once. True
     /// if other bytes came with it that may be an answer too.
     pub fn probe(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<(Vec<u8>, bool), Failure> {
-        let Spoken { outcome, surplus, .. } = self.speak(request, expected, window);
+        self.speak_and_note(request, expected, window)
+    }
+
+    fn speak_and_note(
+        &mut self,
+        request: &[u8],
+        expected: &Expected,
+        window: Duration,
+    ) -> Result<(Vec<u8>, bool), Failure> {
+        let Spoken { outcome, sent, surplus, .. } = self.speak(request, expected, window);
+        if let Some(shape) = Shape::of_request(request, expected) {
+            match &outcome {
+                Ok(_) => {
+                    self.debts.answered(shape, request, expected, sent);
+                    self.note_answer(shape, request, surplus);
+                }
+                Err(failure) if leaves_answer_open(failure) => self.debts.note(shape, request, expected, sent),
+                Err(_) => {}
+            }
+        }
         Ok((outcome?, surplus))
     }
 
     /// An answer that could as well be a second one to the question before is remembered as doubtful; one that cannot be
     /// mistaken and comes alone shows that those before it were in step.
     fn note_answer(&mut self, shape: Shape, request: &[u8], surplus: bool) {
-        self.debts.paid_up_to(shape);
-        let (open, decided): (Vec<_>, Vec<_>) = std::mem::take(&mut self.doubtful)
-            .into_iter()
-            .partition(|doubtful| !doubtful.asks_whom(shape) || doubtful.could_answer(shape));
-        self.doubtful = open;
-        if surplus {
-            self.spoiled.extend(decided);
-            self.spoiled.truncate(MOST_SPOILED);
+        if !surplus {
+            self.doubtful.retain(|doubtful| !doubtful.asks_whom(shape) || doubtful.could_answer(shape));
         }
         let doubtful = self.answered.as_ref().is_some_and(|(before, asked)| {
             before.could_answer(shape) && asked != request && want_equally_much(asked, request)
@@ -230,7 +246,16 @@ impl Wire {
         if doubtful && !self.doubtful.contains(&shape) {
             self.doubtful.push(shape);
         }
+        if surplus {
+            self.spoil_doubtful();
+        }
         self.answered = Some((shape, request.to_vec()));
+    }
+
+    /// An answer too many was on the line: it may be the right one to a question that has taken another's.
+    fn spoil_doubtful(&mut self) {
+        self.spoiled.append(&mut self.doubtful);
+        self.spoiled.truncate(MOST_SPOILED);
     }
 
     /// One request and what came back on it.
@@ -280,6 +305,7 @@ impl Wire {
         self.disturbed |= spoken.noise || spoken.outcome.as_ref().is_err_and(|failure| *failure != Failure::Silent);
         if spoken.surplus {
             self.become_wary();
+            self.spoil_doubtful();
         }
         Ok(())
     }
@@ -384,15 +410,25 @@ impl Wire {
     }
 
     /// Waits for an answer that is late, until `until` at most; whatever comes is dropped as a whole.
-    fn listen_until(&mut self, until: Instant, expected: &Expected) -> Result<(), LineLost> {
+    fn wait_for_late(&mut self, until: Instant, expected: &Expected) -> Result<(), Failure> {
         let mut buffer = [0; 256];
-        let count = self.line.receive(&mut buffer, until)?;
-        if count == 0 {
-            self.line.wait_until(until);
-            return Ok(());
+        loop {
+            if self.hurry.load(Ordering::Relaxed) {
+                let reason = "the wait for an answer that is late was cut short".to_owned();
+                return Err(Failure::Garbled { reason, bytes: Vec::new() });
+            }
+            let slice = until.min(self.line.now() + LATE_SLICE);
+            let count = self.line.receive(&mut buffer, slice)?;
+            if count > 0 {
+                self.last_activity = self.line.now();
+                let bytes = buffer.get(..count).unwrap_or_default().to_vec();
+                return Ok(self.settle_after(bytes, expected, SETTLE)?);
+            }
+            self.line.wait_until(slice);
+            if slice >= until {
+                return Ok(());
+            }
         }
-        self.last_activity = self.line.now();
-        self.settle_after(buffer.get(..count).unwrap_or_default().to_vec(), expected, SETTLE)
     }
 
     /// Bytes that belong to no request: perhaps an answer that was late, perhaps one too many.
@@ -400,9 +436,10 @@ impl Wire {
         if bytes.is_empty() {
             return;
         }
-        self.debts.seen(&bytes);
+        self.debts.seen(&bytes, self.line.now());
         if bytes.iter().any(|byte| !judge::is_noise(*byte)) {
             self.become_wary();
+            self.spoil_doubtful();
         }
         bytes.truncate(MOST_BYTES);
         let (protocol, checksum) = expected.language();
