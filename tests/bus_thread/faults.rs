@@ -40,7 +40,7 @@ fn identify_and_watch(line: &Line, targets: &[Target]) {
         line.until(|event| matches!(event, BusEvent::Identified { id: of, .. } if *of == id).then_some(()));
         let model = if target.address == 0x12 { "pir-130" } else { "pir-234" };
         let (id, definition) = (line.bus.next_id(), line.definition(model));
-        let interval = Duration::from_secs(1);
+        let interval = Duration::from_millis(50);
         let watch = BusCommand::Watch { id, target: *target, definition, items: ItemSet::Live, interval };
         line.bus.send(watch).expect("room");
     }
@@ -140,7 +140,7 @@ fn no_fault_makes_a_value_out_of_what_no_module_said_and_every_module_is_back_af
     for kind in FaultKind::ALL {
         let mut all = Faults::default();
         all.switch_on(kind);
-        poll_with(&line, &truth, all, 60);
+        poll_with(&line, &truth, all, 25);
         recover(&line, &targets, &truth);
         assert!(line.sim.injected().get(&kind).is_some_and(|count| *count > 0), "{kind:?} did not strike");
     }
@@ -160,7 +160,7 @@ fn no_mixture_of_faults_makes_a_value_out_of_what_no_module_said() {
         &["wrong_checksum=40%", "late=40%", "doubled=40%", "echo"],
         &["twin=1", "late=20%", "doubled=20%", "clock_jump=-86400"],
     ] {
-        poll_with(&line, &truth, faults(mixture), 150);
+        poll_with(&line, &truth, faults(mixture), 50);
         recover(&line, &targets, &truth);
     }
 }
