@@ -169,7 +169,8 @@ fn find_rtu(request: &[u8], rest: &[u8]) -> Option<Vec<u8>> {
 
 /// A stray byte may look like a delimiter, so every delimiter is tried.
 fn find_dcon(request: &[u8], rest: &[u8], checksum: bool, from: &AnswerFrom) -> Option<Vec<u8>> {
-    (0..rest.len()).find_map(|start| {
+    let begins = |start: &usize| rest.get(*start).is_some_and(|byte| dcon::ANSWER_DELIMITERS.contains(byte));
+    (0..rest.len()).filter(begins).find_map(|start| {
         let candidate = rest.get(start..)?;
         let range = dcon::find_answer(candidate).filter(|range| range.start == 0)?;
         let frame = candidate.get(range)?;

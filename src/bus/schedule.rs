@@ -17,7 +17,9 @@ const LONGEST_SILENCE_ALONE: Duration = Duration::from_secs(2);
 /// back at once.
 const SHORT_SILENCE: Duration = Duration::from_secs(10);
 /// Such probes take one part in so many of the line at most, all silent modules together.
-const SHARE_OF_PROBES: u32 = 4;
+const SHARE_OF_PROBES: u32 = 2;
+/// A probe is one question; the poll in which a module fell silent repeated it.
+const COST_OF_PROBE: Duration = Duration::from_millis(250);
 /// Modules that fell silent within so long of each other did so for the same reason.
 const SAME_REASON: Duration = Duration::from_secs(5);
 /// A probe that fails at once must not be repeated at once.
@@ -41,7 +43,7 @@ impl<K> Turn<K> {
     fn respite(&self, cost: Duration, longest: Duration, silent: u32, now: Instant) -> Duration {
         let since = self.silent_since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since));
         if !self.interval.is_zero() && since < SHORT_SILENCE {
-            let shared = cost.saturating_mul(SHARE_OF_PROBES).saturating_mul(silent);
+            let shared = cost.min(COST_OF_PROBE).saturating_mul(SHARE_OF_PROBES).saturating_mul(silent);
             return shared.min(longest).max(self.interval);
         }
         let base = if self.interval.is_zero() { cost.max(SHORTEST_COST) } else { self.interval };

@@ -24,10 +24,11 @@ pub const MOST_CANCEL: Duration = Duration::from_millis(1_000);
 pub const MOST_WRITE: Duration = Duration::from_secs(10);
 /// Joining the bus thread and closing the file.
 pub const MOST_QUIT: Duration = Duration::from_secs(2);
-/// The first module is heard within one poll period; a port that was gone is looked for once a second before.
-pub const MOST_LINE_RECOVERY: Duration = Duration::from_secs(2);
-/// A module that was silent for long is asked once in 10 s, and its turn comes within two poll periods.
-pub const MOST_MODULE_RECOVERY: Duration = Duration::from_secs(12);
+/// The first module is heard within one poll period; a port that was gone is looked for twice a second before.
+pub const MOST_LINE_RECOVERY: Duration = Duration::from_millis(1_500);
+/// A module that has just fallen silent is asked at its interval, but all silent ones together have half of the line: its turn
+/// comes within two poll periods. After late answers up to 2 s are waited for those that may still come.
+pub const MOST_MODULE_RECOVERY: Duration = Duration::from_secs(8);
 /// After that a module counts as lost for good, and the next phase begins.
 pub const GIVE_UP_RECOVERY: Duration = Duration::from_secs(15);
 /// All samples that a history holds in memory (3 million, 12 bytes each), the traffic (48 MB of bytes, 1 million frames of

@@ -114,12 +114,12 @@ fn a_silent_module_is_probed_at_its_interval_for_ten_seconds_then_rarely_and_del
 }
 
 #[test]
-fn several_silent_modules_take_a_quarter_of_the_line_together_at_most() {
+fn several_silent_modules_take_half_of_the_line_together_at_most() {
     let mut play = Play::new(&[SECOND; 8], ms(20)).with_dead(&[1, 3, 5, 7]);
     play.run_until(SECOND * 10);
     let probes: usize = [1, 3, 5, 7].iter().map(|dead| play.times(*dead).len()).sum();
     // The first four were not known to be silent.
-    assert!(WINDOW * (probes as u32 - 4) <= SECOND * 10 / 4 + WINDOW, "{probes}");
+    assert!(WINDOW * (probes as u32 - 4) <= SECOND * 10 / 2 + WINDOW, "{probes}");
     assert!(play.times(0).len() >= 9, "{:?}", play.times(0));
 }
 
