@@ -17,6 +17,8 @@ use libfuzzer_sys::fuzz_target;
 const WINDOW: Duration = Duration::from_millis(200);
 /// Until a babbling line is given up on, before a request and after it, and what the clock's steps add.
 const MOST_BABBLE: Duration = Duration::from_millis(2_500);
+/// Longer than a late answer is waited for.
+const LATE: Duration = Duration::from_millis(2_500);
 const ADDRESS: u8 = 0x0A;
 
 const REQUESTS: [&[u8]; 8] = [
@@ -53,7 +55,7 @@ fuzz_target!(|data: &[u8]| {
         };
         let before = dialogue.now();
         let outcome = dialogue.raw(&request, WINDOW);
-        let most = MOST_BABBLE + WINDOW + settings.wire_time(256 + 3 * 16);
+        let most = MOST_BABBLE + LATE + WINDOW + settings.wire_time(256 + 3 * 16);
         assert!(dialogue.now() - before < most, "{:?} for one exchange", dialogue.now() - before);
         if let Ok(answer) = outcome {
             accepted(&answer, dcon, checksum, body, &heard);

@@ -89,9 +89,13 @@ impl Bus {
         if matches!(command, BusCommand::CancelScan | BusCommand::Open { .. } | BusCommand::Close { .. }) {
             self.hurry.store(true, Ordering::Relaxed);
         }
-        commands.try_send(command).map_err(|error| match error {
-            TrySendError::Full(_) => BusGone::Full,
-            TrySendError::Disconnected(_) => BusGone::Ended,
+        commands.try_send(command).map_err(|error| {
+            // Nobody will take it, and so nobody will have been in a hurry.
+            self.hurry.store(false, Ordering::Relaxed);
+            match error {
+                TrySendError::Full(_) => BusGone::Full,
+                TrySendError::Disconnected(_) => BusGone::Ended,
+            }
         })
     }
 

@@ -13,7 +13,6 @@ use super::judge::Expected;
 use super::line::LineLost;
 use super::message::{RawRequest, Statistics};
 use super::problem::{LineProblem, ProblemKind};
-use super::resync::Name;
 use super::serial::SerialLine;
 use super::tap::{Clock, Tap};
 use super::target::{LineAddress, Patience, Target};
@@ -27,7 +26,7 @@ pub struct Memory {
     clock: Option<Clock>,
     echoes: bool,
     counts: Statistics,
-    names: HashMap<Target, Name>,
+    names: HashMap<Target, Vec<u8>>,
 }
 
 /// An open line.
@@ -35,7 +34,8 @@ pub struct Dialogue {
     pub(super) link: Link,
     pub(super) runtime: Runtime,
     counts: Statistics,
-    pub(super) names: HashMap<Target, Name>,
+    /// What DCON modules answered when they were asked for their name.
+    pub(super) names: HashMap<Target, Vec<u8>>,
     /// Set by somebody who wants a scan to end at once.
     hurry: Arc<AtomicBool>,
 }
@@ -158,7 +158,7 @@ impl Dialogue {
 
     /// Someone to ask questions of one module.
     pub fn with(&mut self, target: Target, patience: Patience) -> Speaker<'_> {
-        Speaker { dialogue: self, target, patience, counted: true, changed_settings: false }
+        Speaker { dialogue: self, target, patience, counted: true, changed_settings: false, is_there: true }
     }
 
     /// Speed and format for what follows. True if they were others before.
@@ -272,12 +272,16 @@ pub struct Speaker<'a> {
     patience: Patience,
     counted: bool,
     changed_settings: bool,
+    /// The module has shown that it is there.
+    is_there: bool,
 }
 
 impl Speaker<'_> {
-    /// For scans: leaves failures out of the error statistics, as silence is expected, and ends when it is told to.
+    /// For scans: leaves failures out of the error statistics, as silence is expected, and ends when it is told to. Once
+    /// the module has answered it is asked as patiently as one that is known.
     pub fn uncounted(mut self) -> Self {
         self.counted = false;
+        self.is_there = false;
         self
     }
 
@@ -323,6 +327,16 @@ impl Ask for Speaker<'_> {
             }
             let outcome = self.dialogue.once(&self.target, query, window);
             self.dialogue.count(outcome.as_ref().err().filter(|_| self.counted));
+            let answered = outcome.as_ref().map_or_else(Failure::shows_presence, |_| true);
+            if answered && !std::mem::replace(&mut self.is_there, true) {
+                let Patience { window, after_silence, after_garbage, .. } = Patience::CONVERSATION;
+                self.patience = Patience {
+                    window: window.max(self.patience.window),
+                    after_silence,
+                    after_garbage,
+                    ..self.patience
+                };
+            }
             let Err(failure) = &outcome else {
                 self.changed_settings = false;
                 return outcome;

@@ -186,7 +186,8 @@ fn is_from(answer: &dcon::Answer, from: &AnswerFrom) -> bool {
     };
     match (from, answer) {
         (AnswerFrom::Addresses(addresses), _) => {
-            let sender = text.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+            let digits = text.get(..2).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+            let sender = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
             sender.is_some_and(|sender| addresses.contains(&sender))
         }
         _ => true,

@@ -99,6 +99,10 @@ pub enum BusEvent {
     LineLost {
         reason: String,
     },
+    /// The lost line's adapter is there, but the line cannot be taken up; told when the reason changes.
+    StillLost {
+        reason: String,
+    },
     /// The port is there again, with its settings; perhaps under another name.
     LineRestored {
         line: LineAddress,

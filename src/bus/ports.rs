@@ -47,22 +47,39 @@ fn simulated(adapter: crate::sim::Adapter) -> PortInfo {
     PortInfo { name, description: "Simulated adapter".to_owned(), problem: None, usb: Some(usb) }
 }
 
-/// The name of the port that `known` has now; `None` if it is not there.
-///
-/// A USB adapter with a serial number is known by it, wherever it is plugged in. One without is taken to be the same if it
-/// has the same name, or if it is the only one of its kind. Any other port is known by its name.
-pub fn find_again<'a>(known: &PortInfo, present: &'a [PortInfo]) -> Option<&'a PortInfo> {
-    let Some(identity) = &known.usb else {
-        return present.iter().find(|port| port.name == known.name && port.usb.is_none());
-    };
-    let mut alike = present.iter().filter(|port| port.usb.as_ref() == Some(identity));
-    if identity.serial.is_some() {
-        return alike.next();
+/// A port that was opened, and those that look the same.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KnownPort {
+    pub port: PortInfo,
+    /// Names of other ports of the same identity that were there: adapters without serial numbers, or the other ports of
+    /// an adapter with several.
+    pub alike: Vec<String>,
+}
+
+impl KnownPort {
+    /// The port `name` among those that are `present`.
+    pub fn among(present: Vec<PortInfo>, name: &str) -> Option<Self> {
+        let port = present.iter().find(|port| port.name == name)?.clone();
+        let same = |other: &&PortInfo| other.name != port.name && other.usb.is_some() && other.usb == port.usb;
+        let alike = present.iter().filter(same).map(|other| other.name.clone()).collect();
+        Some(Self { port, alike })
     }
-    let alike: Vec<_> = alike.collect();
-    match alike.as_slice() {
-        [only] => Some(only),
-        several => several.iter().copied().find(|port| port.name == known.name),
+
+    /// The port that this one is now; `None` if it is not there.
+    ///
+    /// A USB adapter is known by its identity, wherever it is plugged in. Where several look the same, the name decides, and
+    /// one that was another before is never taken for it. Any other port is known by its name.
+    pub fn find_again<'a>(&self, present: &'a [PortInfo]) -> Option<&'a PortInfo> {
+        let Self { port: known, alike } = self;
+        let Some(identity) = &known.usb else {
+            return present.iter().find(|port| port.name == known.name && port.usb.is_none());
+        };
+        let same: Vec<_> =
+            present.iter().filter(|port| port.usb.as_ref() == Some(identity) && !alike.contains(&port.name)).collect();
+        match same.as_slice() {
+            [only] => Some(only),
+            several => several.iter().copied().find(|port| port.name == known.name),
+        }
     }
 }
 
@@ -86,7 +103,8 @@ mod tests {
     }
 
     fn found(known: &PortInfo, present: &[PortInfo]) -> Option<String> {
-        find_again(known, present).map(|port| port.name.clone())
+        let known = KnownPort::among(vec![known.clone()], &known.name)?;
+        known.find_again(present).map(|port| port.name.clone())
     }
 
     #[test]
@@ -116,5 +134,14 @@ mod tests {
     fn a_port_that_is_no_usb_adapter_is_known_by_its_name() {
         let known = port("/dev/ttyS0", None);
         assert_eq!(found(&known, &[port("/dev/ttyS1", None), known.clone()]), Some("/dev/ttyS0".to_owned()));
+    }
+
+    #[test]
+    fn another_adapter_of_the_same_kind_that_was_there_before_is_never_taken_for_it() {
+        let (mine, other) = (port("USB0", Some((0x1A86, None))), port("USB1", Some((0x1A86, None))));
+        let known = KnownPort::among(vec![mine.clone(), other.clone()], "USB0").unwrap();
+        assert_eq!(known.find_again(std::slice::from_ref(&other)), None);
+        let returned = port("USB2", Some((0x1A86, None)));
+        assert_eq!(known.find_again(&[other, returned.clone()]), Some(&returned));
     }
 }

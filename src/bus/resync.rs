@@ -12,6 +12,7 @@ use super::dialogue::{Dialogue, Link};
 use super::judge::Expected;
 use super::target::{Patience, Target};
 use super::transaction::{Doubts, Shape, Wire};
+use crate::module::Ask;
 use crate::protocol::{AnswerFrom, Failure, Protocol, Query, dcon};
 
 /// Functions that read something harmless of any module: coils, holding registers, input registers.
@@ -119,15 +120,19 @@ impl Dialogue {
 
     /// Asks a DCON module for its name. Without one that is known there is nothing to compare, and nothing is asked.
     fn ask_for_known_name(&mut self, target: &Target, window: Duration, alone: Alone) -> Result<(), Failure> {
-        let Some(name) = self.names.get_mut(target) else { return Ok(()) };
+        let Some(known) = self.names.get(target).cloned() else { return Ok(()) };
         let Link::Wire(wire) = &mut self.link else { return Ok(()) };
         let request = dcon::encode(&name_text(target.address), target.checksum);
         let from = AnswerFrom::Addresses(vec![target.address]);
         let expected = Expected::Dcon { checksum: target.checksum, from };
         let answer = alone.probe(wire, &request, &expected, window)?;
-        if !name.is_confirmed_by(&answer, target.checksum) {
-            let reason = "the answer belongs to another question, or another module answers here now".to_owned();
-            return Err(Failure::Garbled { reason, bytes: answer });
+        if answer != known {
+            let reason = if is_name(&answer, target.checksum) {
+                "another module answers here now: scan the line again"
+            } else {
+                "the answer belongs to another question"
+            };
+            return Err(Failure::Garbled { reason: reason.to_owned(), bytes: answer });
         }
         self.clear_up(target, &name_query(target.address));
         Ok(())
@@ -149,6 +154,14 @@ impl Dialogue {
         }
     }
 
+    /// A module has moved: what it was called before carries another address.
+    pub(super) fn learn_name_anew(&mut self, from: &Target, to: &Target, patience: Patience) {
+        if self.names.remove(from).is_some() {
+            // Without an answer it is not known, and nothing is compared.
+            let _ = self.with(*to, patience).ask(&name_query(to.address));
+        }
+    }
+
     /// Remembers what a DCON module calls itself.
     pub(super) fn note_name(&mut self, target: &Target, query: &Query, answer: &[u8]) {
         let asked_for_name = matches!(query, Query::Dcon { text, .. } if *text == name_text(target.address));
@@ -157,33 +170,8 @@ impl Dialogue {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
-            self.names.insert(*target, Name { known: answer.to_vec(), claimed: None });
+            self.names.insert(*target, answer.to_vec());
         }
-    }
-}
-
-/// What a DCON module answered when it was asked for its name.
-#[derive(Debug, Clone)]
-pub struct Name {
-    known: Vec<u8>,
-    /// Another name that was answered last: the second time it is the module's.
-    claimed: Option<Vec<u8>>,
-}
-
-impl Name {
-    /// Whether `answer` is the name that is known. Another module may have been put in the place of the one that was
-    /// known: it is believed when it repeats its name.
-    fn is_confirmed_by(&mut self, answer: &[u8], checksum: bool) -> bool {
-        if answer == self.known {
-            self.claimed = None;
-            return true;
-        }
-        let repeated = self.claimed.as_deref() == Some(answer);
-        self.claimed = is_name(answer, checksum).then(|| answer.to_vec());
-        if repeated && self.claimed.is_some() {
-            self.known = answer.to_vec();
-        }
-        false
     }
 }
 

@@ -47,7 +47,7 @@ fn describe(port: serialport::SerialPortInfo) -> PortInfo {
     };
     let usb = match port.port_type {
         SerialPortType::UsbPort(usb) => {
-            Some(UsbIdentity { vendor: usb.vid, product: usb.pid, serial: usb.serial_number, interface: None })
+            Some(UsbIdentity { vendor: usb.vid, product: usb.pid, serial: usb.serial_number, interface: usb.interface })
         }
         _ => None,
     };

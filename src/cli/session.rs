@@ -236,7 +236,10 @@ pub fn not_identified(target: &Target, failure: &Failure) -> String {
             )
         }
         failure if failure.is_garbage() => {
-            format!("what came back from {target} is not an answer: {failure} – try the other speeds and data formats")
+            format!(
+                "what came back from {target} cannot be used: {failure} – if that stays so, try the other speeds and data \
+                 formats; `dcon-bench diagnose` tells late, doubled and damaged answers apart"
+            )
         }
         failure => format!("{target}: {failure}"),
     }

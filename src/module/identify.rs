@@ -89,7 +89,7 @@ fn modbus_identity(catalogue: &Catalogue, protocol: Protocol, ask: &mut dyn Ask)
     let refusal = match ask.ask(&IDENTITY_REGISTERS) {
         Ok(Reply::Words(words)) => {
             let name_words = words.get(2..).unwrap_or_default();
-            if let Some((definition, name)) = by_words(catalogue, name_words, ask) {
+            if let Some((definition, name)) = by_words(catalogue, name_words, ask)? {
                 return Ok(named(definition, name));
             }
             raw_words(&words)
@@ -98,12 +98,13 @@ fn modbus_identity(catalogue: &Catalogue, protocol: Protocol, ask: &mut dyn Ask)
         Err(failure) if failure.shows_presence() => failure.to_string(),
         Err(failure) => return Err(failure),
     };
-    if protocol == Protocol::ModbusRtu
-        && let Ok(Reply::Bytes(bytes)) =
-            ask.ask(&Query::Custom { function: MODULE_SETTINGS, data: vec![0], write: false })
-        && let Some((definition, name)) = by_bytes(catalogue, bytes.get(1..).unwrap_or_default(), ask)
-    {
-        return Ok(named(definition, name));
+    if protocol == Protocol::ModbusRtu {
+        let told = ask.ask(&Query::Custom { function: MODULE_SETTINGS, data: vec![0], write: false });
+        if let Some(Reply::Bytes(bytes)) = unless_unreadable(told)?
+            && let Some((definition, name)) = by_bytes(catalogue, bytes.get(1..).unwrap_or_default(), ask)?
+        {
+            return Ok(named(definition, name));
+        }
     }
     let name = if refusal.starts_with("0x") { refusal.clone() } else { String::new() };
     Ok(Identified::unknown(name, refusal))
@@ -113,31 +114,47 @@ fn named(definition: Arc<Definition>, name: String) -> Identified {
     Identified { definition: Some(definition), name, firmware: String::new(), said: String::new() }
 }
 
-fn by_words(catalogue: &Catalogue, words: &[u16], ask: &mut dyn Ask) -> Option<(Arc<Definition>, String)> {
+/// A model and how the module calls it.
+type Named = (Arc<Definition>, String);
+
+fn by_words(catalogue: &Catalogue, words: &[u16], ask: &mut dyn Ask) -> Result<Option<Named>, Failure> {
     let candidates =
         catalogue.iter().flat_map(|definition| definition.identity.words.iter().map(move |known| (definition, known)));
     for (definition, known) in candidates {
-        if words == [known.low, known.high] && all_answer(&known.needs, ask) {
-            return Some((definition.clone(), known.name.clone()));
+        if words == [known.low, known.high] && all_answer(&known.needs, ask)? {
+            return Ok(Some((definition.clone(), known.name.clone())));
         }
     }
-    None
+    Ok(None)
 }
 
-fn by_bytes(catalogue: &Catalogue, bytes: &[u8], ask: &mut dyn Ask) -> Option<(Arc<Definition>, String)> {
+fn by_bytes(catalogue: &Catalogue, bytes: &[u8], ask: &mut dyn Ask) -> Result<Option<Named>, Failure> {
     let candidates =
         catalogue.iter().flat_map(|definition| definition.identity.bytes.iter().map(move |known| (definition, known)));
     for (definition, known) in candidates {
-        if bytes == known.bytes && all_answer(&known.needs, ask) {
-            return Some((definition.clone(), known.name.clone()));
+        if bytes == known.bytes && all_answer(&known.needs, ask)? {
+            return Ok(Some((definition.clone(), known.name.clone())));
         }
     }
-    None
+    Ok(None)
 }
 
 /// Whether each of these 1-based holding registers is there.
-fn all_answer(registers: &[u16], ask: &mut dyn Ask) -> bool {
-    registers
-        .iter()
-        .all(|register| ask.ask(&Query::ReadHoldingRegisters { first: register.saturating_sub(1), count: 1 }).is_ok())
+fn all_answer(registers: &[u16], ask: &mut dyn Ask) -> Result<bool, Failure> {
+    for register in registers {
+        let answer = ask.ask(&Query::ReadHoldingRegisters { first: register.saturating_sub(1), count: 1 });
+        if unless_unreadable(answer)?.is_none() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// `None` if the module says no or nothing. An answer that was damaged or late says neither yes nor no.
+fn unless_unreadable(answer: Result<Reply, Failure>) -> Result<Option<Reply>, Failure> {
+    match answer {
+        Ok(reply) => Ok(Some(reply)),
+        Err(failure) if failure.is_garbage() || matches!(failure, Failure::LineLost(_)) => Err(failure),
+        Err(_) => Ok(None),
+    }
 }

@@ -36,6 +36,8 @@ pub enum AnswerError {
     Function { found: u8, expected: u8 },
     #[error("the answer has {found} bytes instead of {expected}")]
     Length { found: usize, expected: usize },
+    #[error("the answer is for number {found} on the wire instead of {expected}")]
+    OfAnother { found: u16, expected: u16 },
 }
 
 /// CRC-16/MODBUS; on the wire its low byte comes first.
@@ -99,6 +101,10 @@ pub fn check_answer(request: &[u8], answer: &[u8]) -> Result<(), AnswerError> {
     }
     if at(body, 1) & !EXCEPTION != at(request, 1) {
         return Err(AnswerError::Function { found: at(body, 1), expected: at(request, 1) });
+    }
+    let writes = matches!(at(body, 1), 0x05 | 0x06 | 0x0F | 0x10) && body.len() >= 6;
+    if writes && u16_at(body, 2) != u16_at(request, 2) {
+        return Err(AnswerError::OfAnother { found: u16_at(body, 2), expected: u16_at(request, 2) });
     }
     let reads = matches!(at(body, 1), 0x01..=0x04);
     let announced = usize::from(at(body, 2)).saturating_add(5);

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use super::shape::{Shape, asks_for_name};
 use crate::bus::judge::{self, Expected, Verdict};
+use crate::protocol::LineSettings;
 
-/// An answer does not come later than this after the end of its request, be it through a busy adapter, a hub, a virtual
+/// An answer does not come later than this after it was given up, be it through a busy adapter, a hub, a virtual
 /// machine or a converter on a network.
 pub const LATEST: Duration = Duration::from_secs(2);
 /// An answer that comes twice does so within this time: modules at one address differ by up to 30 ms in their response
@@ -24,6 +25,8 @@ struct Debt {
     request: Vec<u8>,
     expected: Expected,
     until: Instant,
+    /// At another speed it cannot be read.
+    settings: LineSettings,
     /// It has come, when it was too late; only a second copy may follow.
     paid: bool,
 }
@@ -32,27 +35,29 @@ struct Debt {
 #[derive(Debug, Default)]
 pub struct Debts {
     all: Vec<Debt>,
+    settings: LineSettings,
 }
 
 impl Debts {
-    /// `request` was sent until `sent` and has no answer.
-    pub fn note(&mut self, shape: Shape, request: &[u8], expected: &Expected, sent: Instant) {
-        self.all.retain(|debt| debt.until > sent);
+    /// `request` has no answer, which was waited for until `now`.
+    pub fn note(&mut self, shape: Shape, request: &[u8], expected: &Expected, now: Instant) {
+        self.all.retain(|debt| debt.until > now);
         if self.all.len() >= MOST {
             self.all.remove(0);
         }
-        let until = sent.checked_add(LATEST).unwrap_or(sent);
-        self.all.push(Debt { shape, request: request.to_vec(), expected: expected.clone(), until, paid: false });
+        let until = now.checked_add(LATEST).unwrap_or(now);
+        let (request, expected, settings) = (request.to_vec(), expected.clone(), self.settings);
+        self.all.push(Debt { shape, request, expected, until, settings, paid: false });
     }
 
-    /// `request`, sent until `sent`, has an answer. If the same was asked before without one, the answer is to the first
+    /// `request` has an answer. If the same was asked before without one, the answer is to the first
     /// of these questions, and the last is still owed.
-    pub fn answered(&mut self, shape: Shape, request: &[u8], expected: &Expected, sent: Instant) {
-        self.all.retain(|debt| debt.until > sent);
+    pub fn answered(&mut self, shape: Shape, request: &[u8], expected: &Expected, now: Instant) {
+        self.all.retain(|debt| debt.until > now);
         let owed = |debt: &Debt| !debt.paid && debt.shape.asks_whom(shape) && debt.shape.could_answer(shape);
         let Some(first) = self.all.iter().position(owed) else { return self.paid_up_to(shape) };
         self.pay_up_to(first);
-        self.note(shape, request, expected, sent);
+        self.note(shape, request, expected, now);
     }
 
     /// Bytes that nobody asked for at this moment may be what is owed; a second time it comes soon, if at all.
@@ -67,8 +72,9 @@ impl Debts {
         }
     }
 
-    pub fn clear(&mut self) {
-        self.all.clear();
+    /// Speed and format from now on.
+    pub fn configure(&mut self, settings: LineSettings) {
+        self.settings = settings;
     }
 
     /// Until when `request` must not be sent; `None` if it may be at once.
@@ -90,7 +96,9 @@ impl Debts {
 
     /// What is owed that could be taken for the answer to `shape`.
     fn against(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
-        self.all.iter().filter(move |debt| debt.until > now && debt.shape.could_answer(shape))
+        self.all
+            .iter()
+            .filter(move |debt| debt.until > now && debt.settings == self.settings && debt.shape.could_answer(shape))
     }
 
     /// A question that cannot be mistaken was answered: everything that was asked of this module before is over.

@@ -33,8 +33,6 @@ const WARY_QUIET: Duration = Duration::from_millis(60);
 const WARY_FOR: Duration = Duration::from_secs(1);
 /// How long a wait for a late answer goes on before it is looked whether somebody is in a hurry.
 const LATE_SLICE: Duration = Duration::from_millis(20);
-/// Remembered of answers out of step.
-const MOST_SPOILED: usize = 64;
 /// Fewer bytes are not a spoiled answer: the answer itself may still come.
 const LEAST_ANSWER: usize = 4;
 /// More than any answer of any module; a line that babbles on is not listened to for ever.
@@ -84,6 +82,8 @@ impl Wire {
         line.configure(settings)?;
         let now = line.now();
         let clock = Clock::starting(now, line.wall());
+        let mut debts = Debts::default();
+        debts.configure(settings);
         Ok(Self {
             line,
             settings,
@@ -92,7 +92,7 @@ impl Wire {
             last_activity: now,
             disturbed: false,
             echoes: false,
-            debts: Debts::default(),
+            debts,
             answered: None,
             doubtful: Vec::new(),
             spoiled: Vec::new(),
@@ -160,8 +160,7 @@ impl Wire {
         }
         self.line.configure(settings)?;
         self.settings = settings;
-        self.debts.clear();
-        self.answered = None;
+        self.debts.configure(settings);
         // Adapters lose what follows a change of speed too closely.
         let settled = self.line.now() + SETTLE;
         self.line.wait_until(settled);
@@ -220,15 +219,21 @@ impl Wire {
         expected: &Expected,
         window: Duration,
     ) -> Result<(Vec<u8>, bool), Failure> {
-        let Spoken { outcome, sent, surplus, .. } = self.speak(request, expected, window);
+        let Spoken { outcome, surplus, after_quiet, .. } = self.speak(request, expected, window);
+        let now = self.line.now();
         if let Some(shape) = Shape::of_request(request, expected) {
             match &outcome {
-                Ok(_) => {
-                    self.debts.answered(shape, request, expected, sent);
-                    self.note_answer(shape, request, surplus);
+                Ok(answer) => {
+                    self.debts.answered(shape, request, expected, now);
+                    self.note_answer(shape, request, answer, surplus, after_quiet);
                 }
-                Err(failure) if leaves_answer_open(failure) => self.debts.note(shape, request, expected, sent),
+                Err(failure) if leaves_answer_open(failure, shape) => {
+                    self.debts.note(shape, request, expected, now);
+                }
                 Err(_) => {}
+            }
+            if let Err(Failure::Garbled { bytes, .. } | Failure::Collision { bytes }) = &outcome {
+                self.debts.seen(bytes, now);
             }
         }
         Ok((outcome?, surplus))
@@ -236,14 +241,16 @@ impl Wire {
 
     /// An answer that could as well be a second one to the question before is remembered as doubtful; one that cannot be
     /// mistaken and comes alone shows that those before it were in step.
-    fn note_answer(&mut self, shape: Shape, request: &[u8], surplus: bool) {
+    fn note_answer(&mut self, shape: Shape, request: &[u8], answer: &[u8], surplus: bool, after_quiet: bool) {
         if !surplus {
             self.doubtful.retain(|doubtful| !doubtful.asks_whom(shape) || doubtful.could_answer(shape));
         }
         let doubtful = self.answered.as_ref().is_some_and(|(before, asked)| {
-            before.could_answer(shape) && asked != request && want_equally_much(asked, request)
+            let alike = want_equally_much(asked, request) || shape.is_exception(answer);
+            before.could_answer(shape) && asked != request && alike
         });
-        if doubtful && !self.doubtful.contains(&shape) {
+        // After so long a quiet no second answer was still to come.
+        if doubtful && !after_quiet && !self.doubtful.contains(&shape) {
             self.doubtful.push(shape);
         }
         if surplus {
@@ -254,8 +261,11 @@ impl Wire {
 
     /// An answer too many was on the line: it may be the right one to a question that has taken another's.
     fn spoil_doubtful(&mut self) {
-        self.spoiled.append(&mut self.doubtful);
-        self.spoiled.truncate(MOST_SPOILED);
+        for shape in self.doubtful.drain(..) {
+            if !self.spoiled.contains(&shape) {
+                self.spoiled.push(shape);
+            }
+        }
     }
 
     /// One request and what came back on it.
@@ -266,6 +276,7 @@ impl Wire {
             first_byte: None,
             noise: false,
             surplus: false,
+            after_quiet: false,
         };
         if let Err(lost) = self.speak_into(&mut spoken, request, expected, window) {
             spoken.outcome = Err(lost.into());
@@ -285,13 +296,15 @@ impl Wire {
         self.become_quiet(request, expected)?;
         self.line.purge()?;
         let started = self.line.now();
+        spoken.after_quiet = started.saturating_duration_since(self.last_activity) >= WARY_QUIET;
         self.line.send(request)?;
         let (protocol, checksum) = expected.language();
         let address = Shape::of_request(request, expected).and_then(Shape::address);
         let exchange = Exchange { protocol, settings: self.settings, address, checksum };
         let wire_time = self.settings.wire_time(request.len());
         (self.tap)(exchange.request(self.clock.stamp(started), request.to_vec(), wire_time));
-        spoken.sent = started + wire_time;
+        // A port that blocks takes the bytes later.
+        spoken.sent = (started + wire_time).max(self.line.now());
         self.last_activity = spoken.sent;
         if matches!(expected, Expected::Nothing { .. }) {
             self.line.wait_until(spoken.sent);
@@ -493,14 +506,17 @@ struct Spoken {
     first_byte: Option<Duration>,
     noise: bool,
     surplus: bool,
+    /// The line had been quiet for so long that no second answer to an earlier question was still to come.
+    after_quiet: bool,
 }
 
-/// Whether the answer may still come: nothing of it has.
-fn leaves_answer_open(failure: &Failure) -> bool {
+/// Whether the answer may still come: what has come does not look like the one that was asked for.
+fn leaves_answer_open(failure: &Failure, shape: Shape) -> bool {
     match failure {
         Failure::Silent => true,
         Failure::Cut { bytes } | Failure::Garbled { bytes, .. } | Failure::Collision { bytes } => {
-            bytes.iter().filter(|byte| !judge::is_noise(**byte)).count() < LEAST_ANSWER
+            let come = bytes.iter().filter(|byte| !judge::is_noise(**byte)).count() >= LEAST_ANSWER;
+            !come || !shape.begins_an_answer_in(bytes)
         }
         _ => false,
     }

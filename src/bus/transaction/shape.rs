@@ -2,7 +2,7 @@
 
 use crate::bus::judge::Expected;
 use crate::bus::target::Target;
-use crate::protocol::{AnswerFrom, Protocol, Query};
+use crate::protocol::{AnswerFrom, Protocol, Query, dcon};
 
 /// A question as seen from its answer: who is asked, and what the answer carries that shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +76,28 @@ impl Shape {
         }
     }
 
+    /// Whether the answer says no: all such answers have the same length.
+    pub fn is_exception(self, answer: &[u8]) -> bool {
+        matches!(self, Self::Rtu { .. }) && answer.get(1).is_some_and(|function| function & 0x80 != 0)
+    }
+
+    /// Whether something in `bytes` looks like the beginning of an answer to this.
+    pub fn begins_an_answer_in(self, bytes: &[u8]) -> bool {
+        match self {
+            Self::Rtu { address, function } => {
+                bytes.windows(2).any(|pair| matches!(pair, [from, with] if *from == address && with & 0x7F == function))
+            }
+            Self::Dcon { carries: Carries::Address, address: Some(address), .. } => {
+                let digits = format!("{address:02X}");
+                bytes.windows(3).any(|begin| {
+                    begin.first().is_some_and(|byte| dcon::ANSWER_DELIMITERS.contains(byte))
+                        && begin.get(1..) == Some(digits.as_bytes())
+                })
+            }
+            Self::Dcon { .. } => bytes.iter().any(|byte| dcon::ANSWER_DELIMITERS.contains(byte)),
+        }
+    }
+
     /// Whether the same module is asked in the same protocol.
     pub fn asks_whom(self, other: Self) -> bool {
         let same_protocol = matches!(self, Self::Rtu { .. }) == matches!(other, Self::Rtu { .. });
@@ -91,13 +113,12 @@ impl Shape {
                 Self::Dcon { address: asked, carries: awaited, checksum: with_checksum },
             ) => {
                 let fits = match (carries, awaited) {
-                    (_, Carries::Anything) | (Carries::Anything | Carries::Data, Carries::Data) => true,
+                    (_, Carries::Anything) | (Carries::Anything, _) | (Carries::Data, Carries::Data) => true,
                     (Carries::Address, Carries::Data) | (Carries::Data, Carries::Address) => false,
-                    (Carries::Address | Carries::Anything, Carries::Address) => {
-                        address == asked || address.is_none() || asked.is_none()
-                    }
+                    (Carries::Address, Carries::Address) => address == asked || address.is_none() || asked.is_none(),
                 };
-                checksum == with_checksum && fits
+                // An answer with checksum passes where none is looked for.
+                (!with_checksum || checksum) && fits
             }
             _ => false,
         }
@@ -115,8 +136,13 @@ fn spoken_to(request: &[u8]) -> Option<u8> {
     u8::from_str_radix(digits, 16).ok()
 }
 
-/// Whether the answers to two requests of the same shape have the same length: functions 01 to 04 say how much they want.
+/// Whether the answers to two requests of the same shape have the same length: functions 01 to 04 say how much they want,
+/// the first two in bits.
 pub fn want_equally_much(request: &[u8], other: &[u8]) -> bool {
-    let reads = matches!(request.get(1), Some(0x01..=0x04));
-    !reads || request.get(4..6) == other.get(4..6)
+    let count = |request: &[u8]| match request {
+        [_, 0x01 | 0x02, _, _, high, low, ..] => Some(u16::from_be_bytes([*high, *low]).div_ceil(8)),
+        [_, 0x03 | 0x04, _, _, high, low, ..] => Some(u16::from_be_bytes([*high, *low])),
+        _ => None,
+    };
+    count(request) == count(other)
 }

@@ -7,9 +7,11 @@ use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
 
+use super::super::adapters::adapters_without_port;
 use super::super::dialogue::{Dialogue, Memory};
 use super::super::message::{BusEvent, RequestId, Statistics};
-use super::super::ports::{PortInfo, find_again, ports_of};
+use super::super::ports::{KnownPort, ports_of};
+use super::super::problem::{LineProblem, ProblemKind};
 use super::super::tap::Tap;
 use super::super::target::LineAddress;
 use super::{LOOK_EVERY, Worker};
@@ -27,7 +29,7 @@ pub struct OpenLine {
     address: LineAddress,
     settings: LineSettings,
     /// The port that was opened, if it was listed.
-    port: Option<PortInfo>,
+    port: Option<KnownPort>,
     /// `None` while the port is gone.
     dialogue: Option<Dialogue>,
     /// What a lost line was known for, to be carried over when it returns.
@@ -35,6 +37,16 @@ pub struct OpenLine {
     look_at: Instant,
     frames_missed: Arc<AtomicU64>,
     told: Told,
+    /// Why a lost line cannot be taken up although its adapter is there, as it was told last.
+    obstacle: Option<String>,
+}
+
+/// Why a lost line cannot be taken up, if it is more than that the adapter is not there.
+fn obstacle(problem: Option<LineProblem>) -> Option<String> {
+    match problem {
+        Some(problem) if !matches!(problem.kind, ProblemKind::NoSuchPort { .. }) => Some(problem.to_string()),
+        _ => adapters_without_port().first().map(ToString::to_string),
+    }
 }
 
 /// What was told last of the line's use.
@@ -105,8 +117,17 @@ impl Worker {
                 dialogue.stop_scans_by(self.hurry.clone());
                 let (dialogue, look_at) = (Some(dialogue), Instant::now() + LOOK_EVERY);
                 let told = Told::new(0);
-                self.line =
-                    Some(OpenLine { address, settings, port, dialogue, memory: None, look_at, frames_missed, told });
+                self.line = Some(OpenLine {
+                    address,
+                    settings,
+                    port,
+                    dialogue,
+                    memory: None,
+                    look_at,
+                    frames_missed,
+                    told,
+                    obstacle: None,
+                });
                 self.tell(BusEvent::Opened { id, line });
             }
             Err(problem) => self.tell(BusEvent::OpenFailed { id, line, problem }),
@@ -114,21 +135,22 @@ impl Worker {
     }
 
     /// What the system says of the port of `address`.
-    fn port_of(&self, address: &LineAddress) -> Option<PortInfo> {
-        let mut present = ports_of(address, &self.list_ports);
-        match address {
-            LineAddress::Serial { port: name } => present.into_iter().find(|port| port.name == *name),
+    fn port_of(&self, address: &LineAddress) -> Option<KnownPort> {
+        let present = ports_of(address, &self.list_ports);
+        let name = match address {
+            LineAddress::Serial { port } => port.clone(),
             // There is one adapter to a simulated line.
-            LineAddress::Simulated { .. } => present.pop(),
-            LineAddress::Tcp { .. } => None,
-        }
+            LineAddress::Simulated { .. } => present.first()?.name.clone(),
+            LineAddress::Tcp { .. } => return None,
+        };
+        KnownPort::among(present, &name)
     }
 
     /// Where a lost line is now; `None` if its adapter is not there.
     fn whereabouts(&self, line: &OpenLine) -> Option<LineAddress> {
         let Some(known) = &line.port else { return Some(line.address.clone()) };
         let present = ports_of(&line.address, &self.list_ports);
-        let name = find_again(known, &present)?.name.clone();
+        let name = known.find_again(&present)?.name.clone();
         Some(match &line.address {
             LineAddress::Serial { .. } => LineAddress::Serial { port: name },
             other => other.clone(),
@@ -222,16 +244,19 @@ impl Worker {
                 dialogue.stop_scans_by(hurry);
                 self.watches.begin_anew(dialogue.now());
                 line.dialogue = Some(dialogue);
+                line.obstacle = None;
                 line.port = port.or(line.port.take());
                 line.address = address.clone();
                 line.look_at = Instant::now() + LOOK_EVERY;
                 self.tell(BusEvent::LineRestored { line: address });
             }
             failed => {
-                if let Some(Err(problem)) = failed {
-                    log::debug!("{problem}");
-                }
                 line.look_at = Instant::now() + line.retry_after();
+                let obstacle = obstacle(failed.and_then(Result::err));
+                if obstacle.is_some() && line.obstacle != obstacle {
+                    line.obstacle.clone_from(&obstacle);
+                    self.tell(BusEvent::StillLost { reason: obstacle.unwrap_or_default() });
+                }
             }
         }
     }

@@ -20,6 +20,8 @@ pub struct Reading {
     id: RequestId,
     target: Target,
     plan: ReadPlan,
+    /// The plan before: what was learned from answers that belonged to other questions is forgotten.
+    untaught: ReadPlan,
     run: ReadRun,
     patience: Patience,
     /// What is learned goes back to the watch.
@@ -84,7 +86,8 @@ impl Worker {
     fn act(&mut self, id: RequestId, target: Target, definition: &Arc<Definition>, action: String) {
         let result = self.change(target, definition, &action, |speaker| {
             let known = definition.action(&action).ok_or_else(|| not_offered(&action, target))?;
-            run_action(known, target.protocol, target.address, speaker)
+            run_action(known, target.protocol, target.address, speaker)?;
+            speaker.verify().map_err(|failure| WriteError::NotVerified { id: action.clone(), failure })
         });
         let at = self.timestamp();
         self.tell(BusEvent::Acted { id, target, action, at, result });
@@ -143,13 +146,14 @@ impl Worker {
     ) -> Result<Value, WriteError> {
         let known = definition.item(item).ok_or_else(|| not_offered(item, target))?;
         let result = self.change(target, definition, item, |speaker| {
-            let taken = write_item(definition, target.protocol, target.address, known, value, speaker)?;
+            let outcome = write_item(definition, target.protocol, target.address, known, value, speaker);
             // Who has moved is not there any more to be asked.
-            if moves_to(known, value).is_none() {
+            let says_something = matches!(outcome, Ok(_) | Err(WriteError::Differs { .. }));
+            if says_something && moves_to(known, value).is_none() {
                 let unverified = |failure| WriteError::NotVerified { id: item.to_owned(), failure };
                 speaker.verify().map_err(unverified)?;
             }
-            Ok(taken)
+            outcome
         });
         if let (Ok(_), Some(address)) = (&result, moves_to(known, value)) {
             self.follow(target, Target { address, ..target }, &definition.id);
@@ -166,6 +170,10 @@ impl Worker {
         }
         self.identified.remove(&(from, model.to_owned()));
         self.identified.insert((to, model.to_owned()));
+        let patience = self.patience();
+        if let Ok(dialogue) = self.dialogue() {
+            dialogue.learn_name_anew(&from, &to, patience);
+        }
     }
 
     /// Lets `change` write to a module that has said that it is of this model since the line was opened.
@@ -249,8 +257,9 @@ impl Worker {
             let values = plan.all_failed(&failure, at);
             return self.tell(BusEvent::Read { id, target, at, values });
         }
+        let untaught = plan.clone();
         let (run, told) = (plan.begin(target.address), self.line_time());
-        self.reading = Some(Reading { id, target, plan, run, patience, poll, told, begun_anew: 0 });
+        self.reading = Some(Reading { untaught, id, target, plan, run, patience, poll, told, begun_anew: 0 });
     }
 
     /// Asks the next question of the read under way, and tells its result when it was the last.
@@ -289,6 +298,7 @@ impl Worker {
     }
 
     fn begin_anew(&mut self, mut reading: Reading, failure: Failure) {
+        reading.plan = reading.untaught.clone();
         let once_more = failure.is_garbage() && reading.begun_anew < reading.patience.after_garbage;
         if once_more {
             reading.begun_anew = reading.begun_anew.saturating_add(1);
