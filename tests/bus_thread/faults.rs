@@ -153,6 +153,7 @@ fn no_mixture_of_faults_makes_a_value_out_of_what_no_module_said() {
     let truth = learn(&line, &targets);
     for mixture in [
         &["late=50%", "doubled=50%"][..],
+        &["doubled=30%", "lost=2%"],
         &["flipped=2%", "lost=2%", "inserted=2%", "noise=30%"],
         &["echo", "late=30%", "wrong_address=20%", "cut=20%"],
         &["partial_echo", "doubled=100%"],
@@ -163,6 +164,25 @@ fn no_mixture_of_faults_makes_a_value_out_of_what_no_module_said() {
         poll_with(&line, &truth, faults(mixture), 50);
         recover(&line, &targets, &truth);
     }
+}
+
+#[test]
+fn a_line_that_doubles_every_answer_brings_values() {
+    let (line, targets) = line();
+    identify_and_watch(&line, &targets);
+    let truth = learn(&line, &targets);
+    line.sim.set_faults(faults(&["doubled=100%"]));
+    let mut well: Vec<Target> = Vec::new();
+    line.until(|event| {
+        if let BusEvent::Read { target, values, .. } = event
+            && values.iter().all(|answer| answer.result.as_ref().ok() == truth.get(&(*target, answer.id.clone())))
+            && !well.contains(target)
+        {
+            well.push(*target);
+        }
+        (well.len() == targets.len()).then_some(())
+    });
+    assert!(line.sim.injected().get(&FaultKind::Doubled).is_some_and(|count| *count > 30));
 }
 
 #[test]
