@@ -319,8 +319,11 @@ impl Worker {
 
     /// Tells what the reading has brought; with `spoiled` none of it can be used.
     fn end_reading(&mut self, reading: Reading, spoiled: Option<Failure>) {
-        let Reading { id, target, plan, run, poll, .. } = reading;
+        let Reading { id, target, plan, mut run, poll, .. } = reading;
         let (at, now, answered) = (self.timestamp(), self.line_time(), run.is_answered());
+        if let Some(failure) = &spoiled {
+            run.fail(failure, at);
+        }
         let mut values = plan.finish(run, at);
         if let Some(failure) = spoiled {
             values.iter_mut().filter(|answer| answer.result.is_ok()).for_each(|answer| {

@@ -72,9 +72,9 @@ impl Summary {
     }
 }
 
-/// What went wrong, without its numbers.
+/// What went wrong, without the bytes behind a colon.
 fn kind(verdict: &Verdict) -> Option<&str> {
     let trouble = trouble(verdict);
-    let kind = trouble.split(':').next().unwrap_or(trouble).trim_end_matches(|last: char| last.is_ascii_digit());
+    let kind = trouble.split(':').next().unwrap_or(trouble);
     (!kind.is_empty()).then_some(kind)
 }
