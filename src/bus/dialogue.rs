@@ -285,6 +285,11 @@ impl Speaker<'_> {
         self
     }
 
+    /// Whether the module has shown that it is there.
+    pub fn is_there(&self) -> bool {
+        self.is_there
+    }
+
     /// Makes certain that the answers so far belong to their questions; see [`Dialogue::verify`].
     pub fn verify(&mut self) -> Result<(), Failure> {
         self.dialogue.verify(&self.target, self.patience)

@@ -157,6 +157,8 @@ pub struct ScanSummary {
     pub lost: Option<String>,
 }
 
+/// How often a module is asked again who it is if it has answered, but not told.
+const ASK_WHO_AGAIN: usize = 2;
 /// More than so many unreadable places are counted only.
 const MOST_UNREADABLE: usize = 64;
 
@@ -200,7 +202,14 @@ impl Scan {
             return self.go_on(&target);
         }
         let mut speaker = dialogue.with(target, Patience::scan(self.plan.window)).uncounted();
-        let outcome = identify(catalogue, target.protocol, target.address, &mut speaker);
+        let mut outcome = identify(catalogue, target.protocol, target.address, &mut speaker);
+        // Who has answered once is asked again who it is, on a line that loses or delays answers.
+        for _ in 0..ASK_WHO_AGAIN {
+            if outcome.is_ok() || !speaker.is_there() {
+                break;
+            }
+            outcome = identify(catalogue, target.protocol, target.address, &mut speaker);
+        }
         match outcome {
             Ok(identified) => {
                 self.summary.found = self.summary.found.saturating_add(1);

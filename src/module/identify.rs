@@ -142,9 +142,11 @@ fn by_bytes(catalogue: &Catalogue, bytes: &[u8], ask: &mut dyn Ask) -> Result<Op
 /// Whether each of these 1-based holding registers is there.
 fn all_answer(registers: &[u16], ask: &mut dyn Ask) -> Result<bool, Failure> {
     for register in registers {
-        let answer = ask.ask(&Query::ReadHoldingRegisters { first: register.saturating_sub(1), count: 1 });
-        if unless_unreadable(answer)?.is_none() {
-            return Ok(false);
+        match ask.ask(&Query::ReadHoldingRegisters { first: register.saturating_sub(1), count: 1 }) {
+            Ok(_) => {}
+            Err(failure) if failure.shows_presence() => return Ok(false),
+            // A module refuses registers that it has not; silence is the line's.
+            Err(failure) => return Err(failure),
         }
     }
     Ok(true)
