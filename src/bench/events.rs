@@ -79,7 +79,7 @@ impl Bench {
             BusEvent::OpenFailed { id, problem, .. } if id == awaited => {
                 self.line = LineState::Closed;
                 self.scan = None;
-                self.notify(Severity::Error, problem.to_string());
+                self.notify_of(super::Topic::NotOpened, problem.to_string());
                 self.note_problem(problem);
             }
             BusEvent::Closed { id } if id == awaited => {

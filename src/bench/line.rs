@@ -1,7 +1,7 @@
 //! The line as a whole: what is known of it, its loss and its return, how patient it is, and what a simulated one does
 //! wrong.
 
-use super::{Bench, Module, Presence, Reading, Severity};
+use super::{Bench, Module, Presence, Reading, Severity, Topic};
 use crate::bus::{BusCommand, LineAddress, Tuning, adapters_without_port, ports};
 use crate::protocol::Failure;
 use crate::record::EventKind;
@@ -45,13 +45,76 @@ impl LineState {
     pub fn obstacle(&self) -> Option<&'static str> {
         match self {
             Self::Closed => Some("No line is open: scan to open it again"),
-            Self::Lost { line, .. } if line.is_tcp() => {
-                Some("The line is lost: check the cable and the module's power")
-            }
-            Self::Lost { .. } => Some("The line is lost: plug the adapter in again"),
+            Self::Lost { line, reason } => Some(match Cause::of(line, reason) {
+                Cause::Network => "The line is lost: check the cable and the module's power",
+                Cause::Blocked => {
+                    "The line is lost: switch flow control off, or unplug the adapter and plug it in again"
+                }
+                Cause::Barred => "The line is lost: its adapter is there but cannot be taken up, see the notices",
+                Cause::Unplugged => "The line is lost: plug the adapter in again",
+            }),
             Self::Opening { .. } | Self::Open { .. } => None,
         }
     }
+
+    /// Why the line is lost, and how it comes back; `None` while it is not.
+    pub fn loss(&self) -> Option<String> {
+        match self {
+            Self::Lost { line, reason } => Some(told(line, reason)),
+            _ => None,
+        }
+    }
+}
+
+/// What a loss comes from, as far as its reason tells: each has another way out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cause {
+    Network,
+    /// The adapter is there and takes nothing.
+    Blocked,
+    /// The adapter is there and cannot be opened; the reason says what to do.
+    Barred,
+    Unplugged,
+}
+
+impl Cause {
+    fn of(line: &LineAddress, reason: &str) -> Self {
+        match () {
+            () if line.is_tcp() => Self::Network,
+            // Only what is written to a serial port can run into a timeout there.
+            () if reason.contains("takes no bytes") || reason.contains("timed out") => Self::Blocked,
+            () if reason.contains(WHAT_TO_DO) => Self::Barred,
+            () => Self::Unplugged,
+        }
+    }
+}
+
+/// Stands between what happened and what to do about it.
+const WHAT_TO_DO: &str = " – ";
+
+/// What happened to a lost line, and what to do about it.
+fn told(line: &LineAddress, reason: &str) -> String {
+    match Cause::of(line, reason) {
+        Cause::Network => format!(
+            "{line} is gone ({reason}) – check the cable and the module's power; it is connected again by itself"
+        ),
+        Cause::Blocked => format!(
+            "{line} is lost ({reason}) – its flow control or driver holds bytes back: switch flow control off, unplug \
+             and replug the adapter, or restart the program that shares a virtual port; it is taken up again by itself"
+        ),
+        Cause::Barred => told_barred(line, reason),
+        Cause::Unplugged => format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself"),
+    }
+}
+
+fn told_barred(line: &LineAddress, reason: &str) -> String {
+    let name = line.to_string();
+    let happened = match reason.contains(&name) {
+        true => reason.to_owned(),
+        false => format!("{name} cannot be taken up again: {reason}"),
+    };
+    let join = if reason.contains(WHAT_TO_DO) { "; " } else { WHAT_TO_DO };
+    format!("{happened}{join}it is tried again by itself")
 }
 
 impl Bench {
@@ -139,19 +202,23 @@ impl Bench {
 
     pub(super) fn line_is_lost(&mut self, reason: String) {
         let Some(line) = self.line.line().cloned() else { return };
-        let text = if line.is_tcp() {
-            format!(
-                "{line} is gone ({reason}) – check the cable and the module's power; it is connected again by itself"
-            )
-        } else {
-            format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself")
-        };
-        self.notify(Severity::Error, text);
+        self.notify_of(Topic::LineLost, told(&line, &reason));
         self.note_line(EventKind::Lost, format!("{line} is gone ({reason})"));
         self.pause_all();
         self.modules.iter_mut().for_each(|module| module.line_is_lost(&reason));
         self.ports = ports();
         self.line = LineState::Lost { line, reason };
+    }
+
+    /// The adapter of the lost line is there again and cannot be taken up: why, told once for each loss.
+    pub fn line_is_still_lost(&mut self, reason: String) {
+        let LineState::Lost { line, reason: known } = &mut self.line else { return };
+        let text = told_barred(line, &reason);
+        *known = reason;
+        let mut since = self.notices.iter().rev().take_while(|notice| notice.topic != Topic::LineLost);
+        if !since.any(|notice| notice.topic == Topic::StillLost && notice.text == text) {
+            self.notify_of(Topic::StillLost, text);
+        }
     }
 }
 
@@ -184,5 +251,74 @@ impl Module {
         let gone = |reading: &Reading| matches!(reading.problem, Some(Failure::LineLost(_)));
         let readings = self.readings.iter().filter(|(id, reading)| gone(reading) && !polled.contains(&id.as_str()));
         readings.map(|(id, _)| id.clone()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bus::Bus;
+    use crate::module::Catalogue;
+
+    fn port() -> LineAddress {
+        LineAddress::Serial { port: "/dev/ttyUSB0".to_owned() }
+    }
+
+    fn with_open_line() -> Bench {
+        let (bus, ..) = Bus::detached();
+        let mut bench = Bench::new(bus, Catalogue::built_in().0.into(), &[]);
+        bench.line = LineState::Open { line: port() };
+        bench
+    }
+
+    fn texts(bench: &Bench, topic: Topic) -> Vec<&str> {
+        bench.notices().filter(|notice| notice.topic == topic).map(|notice| notice.text.as_str()).collect()
+    }
+
+    #[test]
+    fn what_to_do_about_a_loss_follows_its_reason() {
+        assert!(told(&port(), "it was unplugged").contains("plug the adapter in again"));
+        let network = LineAddress::tcp("192.168.0.9").unwrap();
+        assert!(told(&network, "the connection timed out").contains("check the cable"));
+        for reason in ["the port takes no bytes", "Operation timed out"] {
+            let text = told(&port(), reason);
+            assert!(text.contains("switch flow control off") && !text.contains("plug the adapter in again"), "{text}");
+            let state = LineState::Lost { line: port(), reason: reason.to_owned() };
+            assert!(state.obstacle().unwrap().contains("flow control"));
+        }
+    }
+
+    #[test]
+    fn why_an_adapter_that_is_there_is_not_taken_up_is_told_once_for_each_loss() {
+        let mut bench = with_open_line();
+        bench.line_is_still_lost("nobody asked".to_owned());
+        assert!(texts(&bench, Topic::StillLost).is_empty());
+        bench.line_is_lost("it was unplugged".to_owned());
+        let busy = "another program uses it – close that program";
+        for reason in [busy, "no permission", busy] {
+            bench.line_is_still_lost(reason.to_owned());
+        }
+        let expected = [
+            "/dev/ttyUSB0 cannot be taken up again: another program uses it – close that program; it is tried again by \
+             itself",
+            "/dev/ttyUSB0 cannot be taken up again: no permission – it is tried again by itself",
+        ];
+        assert_eq!(texts(&bench, Topic::StillLost), expected);
+        assert!(matches!(bench.line(), LineState::Lost { reason, .. } if reason == busy));
+        assert!(bench.line().obstacle().unwrap().contains("cannot be taken up"));
+        bench.line_is_restored(port());
+        bench.line_is_lost("it was unplugged".to_owned());
+        bench.line_is_still_lost("no permission".to_owned());
+        assert_eq!(texts(&bench, Topic::StillLost).len(), 3);
+    }
+
+    #[test]
+    fn a_loss_is_told_for_as_long_as_it_lasts() {
+        let mut bench = with_open_line();
+        bench.line_is_lost("it was unplugged".to_owned());
+        assert!(Topic::LineLost.holds(bench.line()) && Topic::StillLost.holds(bench.line()));
+        bench.line_is_restored(port());
+        assert!(!Topic::LineLost.holds(bench.line()) && !Topic::NotOpened.holds(bench.line()));
+        assert!(Topic::NotOpened.holds(&LineState::Closed));
     }
 }

@@ -35,7 +35,7 @@ pub use init::{InitChange, InitProcedure, InitStep};
 pub use journal::{Entry, EntryKind, Journal};
 pub use line::LineState;
 pub use module::{Module, Presence, Reading};
-pub use notice::{Notice, Severity};
+pub use notice::{Notice, Severity, Topic};
 pub use observer::{Observer, module_info, silence};
 pub use recording::RecordingId;
 pub use switch_kind::SwitchKind;
@@ -82,6 +82,7 @@ pub struct Bench {
     traffic: TrafficLog,
     diagnosis: diagnosis::LiveDiagnosis,
     notices: VecDeque<Notice>,
+    notices_told: u64,
     /// The guided change of what needs INIT mode.
     init: Option<InitProcedure>,
     /// Modules that were given another address or setting, until the window has taken note.
@@ -120,6 +121,7 @@ impl Bench {
             traffic: TrafficLog::default(),
             diagnosis: diagnosis::LiveDiagnosis::default(),
             notices: VecDeque::new(),
+            notices_told: 0,
             init: None,
             moves: Vec::new(),
             clock: Timestamp::now,
@@ -231,12 +233,22 @@ impl Bench {
         self.tell(severity, text, None);
     }
 
+    /// Tells of something that went wrong, for as long as `topic` holds.
+    fn notify_of(&mut self, topic: Topic, text: String) {
+        self.keep_notice(Severity::Error, topic, text, None);
+    }
+
     fn tell(&mut self, severity: Severity, text: String, file: Option<PathBuf>) {
+        self.keep_notice(severity, Topic::Other, text, file);
+    }
+
+    fn keep_notice(&mut self, severity: Severity, topic: Topic, text: String, file: Option<PathBuf>) {
         if self.notices.len() >= NOTICES_KEPT {
             self.notices.pop_front();
         }
-        let at = self.now();
-        self.notices.push_back(Notice { at, severity, text, file });
+        let (number, at) = (self.notices_told, self.now());
+        self.notices_told = number.saturating_add(1);
+        self.notices.push_back(Notice { number, at, severity, topic, text, file });
     }
 
     fn module_and_history(&mut self, target: &Target) -> Option<(&mut Module, &mut History)> {

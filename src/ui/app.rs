@@ -113,7 +113,7 @@ impl App {
         if demo {
             app.line_before_demo = Some(app.settings.line.clone());
             let action = app.connect.try_simulated(&mut app.settings);
-            app.bench.apply(action);
+            app.carry_out(action);
         }
         app
     }
@@ -154,7 +154,13 @@ impl App {
     }
 
     fn carry_out(&mut self, action: Action) {
+        self.connect.note(&action);
         match &action {
+            Action::SetFaults(wanted) => {
+                let open = self.connect.mended(&self.bench, wanted);
+                self.bench.apply(action);
+                return open.into_iter().for_each(|open| self.bench.apply(open));
+            }
             Action::Show(target) => self.panes.open(Pane::Module(*target)),
             Action::Remove(target) => self.panes.close(Pane::Module(*target)),
             Action::OpenRecording(path) => {
@@ -255,7 +261,8 @@ impl App {
         Panel::bottom("status")
             .exact_size(theme::STATUS_HEIGHT)
             .frame(theme::bar_frame(palette))
-            .show(ui, |ui| status::show(ui, &mut pass));
+            .show(ui, |ui| status::show(ui, &mut pass, notices));
+        notices.look_at_line(bench);
         if notices.waiting(bench).next().is_some() {
             let frame = theme::error_frame(palette);
             Panel::bottom("errors").frame(frame).show(ui, |ui| notices::strip(ui, bench, notices));
@@ -265,10 +272,11 @@ impl App {
             .size_range(theme::LIST_WIDTH_RANGE)
             .frame(theme::list_frame(palette))
             .show(ui, |ui| module_list::show(ui, &mut pass));
-        CentralPanel::default().frame(theme::list_frame(palette)).show(ui, |ui| panes.show(ui, &mut pass, dialogs));
+        let frame = theme::list_frame(palette);
+        let middle = CentralPanel::default().frame(frame).show(ui, |ui| panes.show(ui, &mut pass, dialogs)).response;
         init_guide.show(ui.ctx(), &mut pass);
         poll_plan.show(ui.ctx(), &mut pass);
-        faults.show(ui.ctx(), &mut pass);
+        faults.show(ui.ctx(), &mut pass, middle.rect);
         dialogs.show(ui.ctx(), bench, pass.actions);
         pass.active = panes.active();
         for command in std::mem::take(pass.commands) {

@@ -10,6 +10,7 @@ use super::{theme, widgets, words};
 use crate::bench::{Action, Bench, LineState, ScanState};
 use crate::bus::{LineAddress, PortInfo, ScanPlan, ScanProgress, ScanSummary};
 use crate::protocol::{BaudRate, DataFormat};
+use crate::sim::{FaultKind, Faults};
 
 pub const SIMULATED: &str = "Simulated line";
 const TCP: &str = "Modbus TCP";
@@ -24,13 +25,15 @@ pub enum Ready {
 /// What the line selector remembers.
 pub struct Connect {
     simulated: LineAddress,
+    /// The simulated line that was asked for last, and is to be open.
+    asked: Option<Action>,
     /// The list of lines was open in the last frame.
     list_open: bool,
 }
 
 impl Connect {
     pub fn new(simulated: LineAddress) -> Self {
-        Self { simulated, list_open: false }
+        Self { simulated, asked: None, list_open: false }
     }
 
     /// The chosen line, or why there is none.
@@ -62,6 +65,26 @@ impl Connect {
         if matches!(line, LineAddress::Simulated { .. }) {
             self.simulated = line.clone();
         }
+    }
+
+    /// Takes note of the line that is asked for.
+    pub fn note(&mut self, action: &Action) {
+        match action {
+            Action::Scan { line, .. } | Action::Connect { line, .. } => {
+                let simulated = matches!(line, LineAddress::Simulated { .. });
+                self.asked = simulated.then(|| action.clone());
+            }
+            Action::Disconnect => self.asked = None,
+            _ => {}
+        }
+    }
+
+    /// What opens the simulated line that a fault has kept closed, when `wanted` is to end that fault.
+    pub fn mended(&self, bench: &Bench, wanted: &Faults) -> Option<Action> {
+        let before = bench.faults().filter(|_| matches!(bench.line(), LineState::Closed))?;
+        let keeps_closed = [FaultKind::Unplugged, FaultKind::Renamed];
+        let ends = keeps_closed.into_iter().any(|kind| before.is_on(kind) && !wanted.is_on(kind));
+        self.asked.clone().filter(|_| ends)
     }
 
     /// Chooses the simulated line and scans it.

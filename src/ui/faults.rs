@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use eframe::egui::{self, Align, Align2, Area, Checkbox, DragValue, Id, Order, Response, Role, Ui, WidgetInfo, vec2};
+use eframe::egui::{
+    self, Align, Align2, Area, Checkbox, DragValue, Id, Key, LayerId, Order, Rect, Response, Role, Ui, WidgetInfo, vec2,
+};
 
 use super::app::Pass;
+use super::settings::LineChoice;
 use super::{theme, widgets};
 use crate::bench::Action;
 use crate::protocol::BaudRate;
@@ -19,14 +22,16 @@ const COUNTS_EVERY: Duration = Duration::from_millis(300);
 #[derive(Default)]
 pub struct FaultsPanel {
     pub open: bool,
+    /// Something else had a better right to Esc in the last frame.
+    deaf: bool,
     /// Strengths that were chosen, also of faults that are off.
     chosen: BTreeMap<FaultKind, Strength>,
 }
 
-/// How many faults of the simulated line are on; `None` while it is not in use.
+/// How many faults of the simulated line are on; `None` while it is neither in use nor chosen again.
 pub fn count(pass: &Pass<'_>) -> Option<usize> {
     let count = pass.bench.faults()?.iter().count();
-    let in_use = pass.bench.line().line().is_some();
+    let in_use = pass.bench.line().line().is_some() || pass.settings.line == LineChoice::Simulated;
     (in_use || count > 0).then_some(count)
 }
 
@@ -52,21 +57,25 @@ pub fn status(ui: &mut Ui, pass: &mut Pass<'_>) {
 }
 
 impl FaultsPanel {
-    pub fn show(&mut self, ctx: &egui::Context, pass: &mut Pass<'_>) {
-        if count(pass).is_none() {
+    /// Opens at the right end of `middle`, and stands wherever it was moved to.
+    pub fn show(&mut self, ctx: &egui::Context, pass: &mut Pass<'_>, middle: Rect) {
+        let escaped = !self.deaf && ctx.input(|input| input.key_pressed(Key::Escape));
+        if count(pass).is_none() || escaped {
             self.open = false;
         }
         let Some(faults) = pass.bench.faults().filter(|_| self.open) else { return };
         let injected = pass.bench.injected();
-        let place = vec2(-theme::GAP_SECTION, -theme::STATUS_HEIGHT - theme::GAP_SECTION);
-        let corner = ctx.content_rect().right_bottom() + place;
-        let area = Area::new(Id::unique("faults")).order(Order::Middle).pivot(Align2::RIGHT_BOTTOM);
-        area.default_pos(corner).constrain(true).show(ctx, |ui| {
+        let corner = middle.right_top() + vec2(-theme::UNIT, theme::FAULTS_BELOW);
+        let area = Area::new(Id::unique("faults")).order(Order::Middle).pivot(Align2::RIGHT_TOP);
+        let shown = area.default_pos(corner).movable(true).constrain(true).show(ctx, |ui| {
             egui::Frame::window(ui.style()).inner_margin(theme::GAP + theme::UNIT).show(ui, |ui| {
                 ui.set_width(theme::FAULTS_WIDTH);
+                // Dragged anywhere, its words too, the panel moves.
+                ui.style_mut().interaction.selectable_labels = false;
                 self.contents(ui, faults, &injected, pass.actions);
             });
         });
+        self.deaf = is_deaf(ctx, shown.response.layer_id);
         ctx.request_repaint_after(COUNTS_EVERY);
     }
 
@@ -143,6 +152,13 @@ impl FaultsPanel {
             wanted.switch_on(kind);
         }
     }
+}
+
+/// Whether a menu, a question or what has the focus outside `panel` is what Esc is meant for.
+fn is_deaf(ctx: &egui::Context, panel: LayerId) -> bool {
+    let focused = ctx.memory(|memory| memory.focused()).and_then(|id| ctx.read_response(id));
+    let elsewhere = focused.is_some_and(|response| response.layer_id != panel);
+    elsewhere || egui::Popup::is_any_open(ctx) || ctx.memory(|memory| memory.top_modal_layer()).is_some()
 }
 
 fn heading(ui: &mut Ui, width: f32, align: Align, text: &str) {

@@ -67,6 +67,9 @@ pub fn state(module: &Module, line: &LineState, palette: &Palette) -> State {
         _ if matches!(line, LineState::Closed) => (Glyph::Ring, palette.quiet, "line closed", "line closed"),
         _ if line.is_lost() => (Glyph::Cross, palette.error, "line lost", "line lost"),
         Presence::Silent { failure: Failure::LineLost(_) } => (Glyph::Cross, palette.error, "line lost", "line lost"),
+        Presence::Silent { failure } if failure.is_garbage() => {
+            (Glyph::Cross, palette.error, "answers cannot be used", "unusable")
+        }
         Presence::Silent { .. } => (Glyph::Cross, palette.error, "silent", "silent"),
         Presence::Answering if module.attention().is_some() => {
             let word = module.attention().unwrap_or_default();

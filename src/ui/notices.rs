@@ -3,28 +3,44 @@
 use std::path::Path;
 
 use eframe::egui::{self, Color32, RichText, ScrollArea, Ui};
-use jiff::Timestamp;
 
 use super::app::Pass;
 use super::recording::{Recordings, Wish};
 use super::theme::{self, Palette};
 use super::widgets::{self, Glyph};
 use super::words;
-use crate::bench::{Action, Bench, Notice, Severity};
+use crate::bench::{Action, Bench, Notice, Severity, Topic};
 
 /// Which errors the user has acknowledged.
 #[derive(Default)]
 pub struct Notices {
-    /// All up to this time.
-    acknowledged: Option<Timestamp>,
+    /// All up to this number.
+    acknowledged: Option<u64>,
+    /// What is said of the line is over up to this number: it was open since.
+    line_well: Option<u64>,
 }
 
 impl Notices {
-    /// Errors that the user has not acknowledged, newest first.
+    /// Takes note of how the line is.
+    pub fn look_at_line(&mut self, bench: &Bench) {
+        if bench.line().is_open() {
+            let of_line = bench.notices().rev().find(|notice| notice.topic != Topic::Other);
+            self.line_well = of_line.map(|notice| notice.number).or(self.line_well);
+        }
+    }
+
+    /// Errors that still hold and that the user has not acknowledged, newest first. Of the line only the newest is
+    /// told: each one replaces those before.
     pub fn waiting<'a>(&self, bench: &'a Bench) -> impl Iterator<Item = &'a Notice> {
-        let acknowledged = self.acknowledged;
-        let newer = move |notice: &&Notice| acknowledged.is_none_or(|until| notice.at > until);
-        bench.notices().rev().filter(|notice| notice.severity == Severity::Error).filter(newer)
+        let Self { acknowledged, line_well } = *self;
+        let after = |notice: &Notice, until: Option<u64>| until.is_none_or(|until| notice.number > until);
+        let mut line_told = false;
+        let holds = move |notice: &&Notice| match notice.topic {
+            Topic::Other => true,
+            topic => !std::mem::replace(&mut line_told, true) && topic.holds(bench.line()) && after(notice, line_well),
+        };
+        let errors = bench.notices().rev().filter(|notice| notice.severity == Severity::Error);
+        errors.filter(holds).filter(move |notice| after(notice, acknowledged))
     }
 }
 
@@ -49,13 +65,13 @@ pub fn strip(ui: &mut Ui, bench: &Bench, notices: &mut Notices) {
     let palette = theme::palette(ui);
     let mut waiting = notices.waiting(bench);
     let Some(newest) = waiting.next() else { return };
-    let (at, more) = (newest.at, waiting.count());
+    let (number, more) = (newest.number, waiting.count());
     ui.horizontal(|ui| {
         widgets::glyph(ui, Glyph::Triangle, palette.error);
         widgets::at_right(ui, |ui| {
             let text = if more == 0 { "Dismiss".to_owned() } else { format!("Dismiss {}", more + 1) };
             if ui.button(text).clicked() {
-                notices.acknowledged = Some(at);
+                notices.acknowledged = Some(number);
             }
             if ui.button("Copy").clicked() {
                 ui.ctx().copy_text(newest.text.clone());
@@ -67,20 +83,22 @@ pub fn strip(ui: &mut Ui, bench: &Bench, notices: &mut Notices) {
     });
 }
 
-/// The newest notice, in the status bar; a click shows them all.
-pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
+/// The newest notice, in the status bar, unless it stands in the strip above; a click shows them all.
+pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>, notices: &Notices) {
     let palette = theme::palette(ui);
     let Some(notice) = pass.bench.notices().next_back() else {
         widgets::quiet(ui, "No notices");
         return;
     };
+    let in_strip = notices.waiting(pass.bench).next().is_some_and(|above| std::ptr::eq(above, notice));
     let (glyph, colour) = mark(notice.severity, palette);
     if let Some(file) = &notice.file {
         folder_button(ui, pass.recordings, file);
     }
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::click());
-    let galley = widgets::cut(ui, &notice.text, theme::body(), palette.quiet, width - theme::GLYPH - 2.0 * theme::GAP);
+    let text = if in_strip { told_above(pass.bench) } else { notice.text.clone() };
+    let galley = widgets::cut(ui, &text, theme::body(), palette.quiet, width - theme::GLYPH - 2.0 * theme::GAP);
     let left = rect.right() - galley.size().x - theme::GAP;
     if response.hovered() {
         let behind = rect.with_min_x(left - theme::GLYPH - 2.0 * theme::GAP);
@@ -95,6 +113,10 @@ pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
         .align(egui::RectAlign::TOP_END)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| list(ui, pass));
+}
+
+fn told_above(bench: &Bench) -> String {
+    words::counted(bench.notices().count(), "notice")
 }
 
 /// All notices, the newest first.

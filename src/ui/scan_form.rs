@@ -155,7 +155,7 @@ fn conclusion(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm, over_tcp: b
     match plan {
         Ok(plan) => {
             let (places, duration) = form.measure(&plan);
-            let text = format!("{places} places to ask, at most {}", words::span(duration));
+            let text = format!("{} to ask, at most {}", words::counted(places, "place"), words::span(duration));
             widgets::fixed(ui, ui.available_width(), Align::Min, &text);
             if start.clicked() {
                 connect::scan_with(pass, plan);

@@ -4,14 +4,15 @@ use eframe::egui::{Align, Color32, Label, RichText, Ui, vec2};
 
 use super::app::Pass;
 use super::faults;
-use super::notices;
+use super::notices::{self, Notices};
 use super::recording;
 use super::theme::{self, Palette};
 use super::widgets::{self, Glyph};
+use super::words;
 use crate::bench::LineState;
 use crate::bus::Statistics;
 
-pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
+pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, notices: &Notices) {
     ui.horizontal_centered(|ui| {
         line(ui, pass.bench.line());
         if pass.bench.line().is_open() {
@@ -21,7 +22,7 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
         faults::status(ui, pass);
         ui.add_space(theme::GAP);
         recording::section(ui, pass);
-        widgets::at_right(ui, |ui| notices::newest(ui, pass));
+        widgets::at_right(ui, |ui| notices::newest(ui, pass, notices));
     });
 }
 
@@ -41,8 +42,8 @@ fn line(ui: &mut Ui, line: &LineState) {
     let label = Label::new(RichText::new(text).color(palette.text)).truncate();
     let size = vec2(theme::LINE_STATE_WIDTH, theme::CONTROL_HEIGHT);
     let response = ui.allocate_ui(size, |ui| ui.add(label)).inner;
-    if let LineState::Lost { reason, .. } = line {
-        response.on_hover_text(format!("{reason} – plug the adapter in again, it is taken up by itself"));
+    if let Some(loss) = line.loss() {
+        response.on_hover_text(loss);
     }
 }
 
@@ -52,13 +53,13 @@ fn facts(ui: &mut Ui, statistics: &Statistics) {
         statistics;
     let rate = format!("{transactions_per_second:.1} transactions/s");
     widgets::fixed_coloured(ui, theme::RATE_WIDTH, Align::Max, &rate, palette.quiet)
-        .on_hover_text(format!("{transactions} transactions since the line was opened"));
+        .on_hover_text(format!("{} since the line was opened", words::counted(*transactions, "transaction")));
     let share = if *transactions == 0 { 0.0 } else { *errors as f64 / *transactions as f64 * 100.0 };
     let colour = if *errors == 0 { palette.quiet } else { palette.warning };
     let response =
         widgets::fixed_coloured(ui, theme::ERRORS_WIDTH, Align::Max, &format!("{share:.1} % errors"), colour);
     let by_kind: Vec<String> = kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-    let repeated = (*repeats > 0).then(|| format!("{repeats} reads asked again"));
+    let repeated = (*repeats > 0).then(|| format!("{} asked again", words::counted(*repeats, "read")));
     let by_kind: Vec<String> = by_kind.into_iter().chain(repeated).collect();
     let by_kind = if by_kind.is_empty() { "No answer was missing or unusable".to_owned() } else { by_kind.join("\n") };
     response.on_hover_text(by_kind);
@@ -69,7 +70,7 @@ fn facts(ui: &mut Ui, statistics: &Statistics) {
         widgets::quiet(ui, "echo").on_hover_text("The adapter sends back what is sent; the echo is taken away");
     }
     if *frames_missed > 0 {
-        ui.label(RichText::new(format!("{frames_missed} frames missed")).color(palette.warning))
+        ui.label(RichText::new(format!("{} missed", words::counted(*frames_missed, "frame"))).color(palette.warning))
             .on_hover_text("Frames that the window did not take in time; readings are not affected");
     }
 }

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use jiff::{Timestamp, tz::TimeZone};
 
+use crate::protocol::Failure;
+
 pub use crate::bench::summary::{UNKNOWN, address, spoken};
 
 /// `12 s`, `4 min 10 s`, `3 h 20 min`: what remains, or how long something takes.
@@ -105,6 +107,22 @@ pub fn seconds(at: Timestamp) -> f64 {
     at.as_nanosecond() as f64 / 1e9
 }
 
+/// `1 frame`, `0 frames`, `2 frames`.
+pub fn counted(count: impl TryInto<u64>, one: &str) -> String {
+    let count = count.try_into().unwrap_or(u64::MAX);
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {one}{plural}")
+}
+
+/// Why a value was not read, in few words: what concerns the whole module is told at its name.
+pub fn not_read(failure: &Failure) -> String {
+    match failure {
+        Failure::LineLost(_) => "line lost".to_owned(),
+        failure if failure.is_garbage() => "not read".to_owned(),
+        failure => failure.to_string(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,6 +147,11 @@ mod tests {
     fn long_times_are_told_in_minutes_too() {
         let texts = [6, 131, 4_194].map(seconds_and_minutes);
         assert_eq!(texts, ["6 s", "131 s (2 min 11 s)", "4194 s (1 h 9 min 54 s)"]);
+    }
+
+    #[test]
+    fn one_is_not_many() {
+        assert_eq!([0_usize, 1, 2].map(|count| counted(count, "frame")), ["0 frames", "1 frame", "2 frames"]);
     }
 
     #[test]

@@ -193,7 +193,7 @@ fn run(window: &mut Window, script: &str) {
 fn a_script_that_finds_what_it_expects_comes_to_its_end() {
     let (_sim, mut window) = begun(DCON);
     run(&mut window, "$01M\nexpect !01PIR*\nwait 20 ms\nrepeat 2\n$01F\nend");
-    until(&mut window, "it is done", |window| shows(window, "Done: 5 steps, 1 answers as expected"));
+    until(&mut window, "it is done", |window| shows(window, "Done: 5 steps, 1 answer as expected"));
     assert_eq!(module(&window).console.log().len(), 3);
     assert!(shows(&window, "as expected"));
     assert_eq!(window.state().settings().recent_scripts.len(), 1);

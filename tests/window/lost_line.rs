@@ -1,15 +1,16 @@
 //! An adapter that is pulled and comes back: what was known stays, greyed, and everything goes on by itself.
 
-use dcon_bench::bench::{Action, Bench, LineState};
+use dcon_bench::bench::{Action, Bench, LineState, Severity};
 use dcon_bench::bus::{Bus, BusEvent, LineAddress, RequestId};
 use dcon_bench::module::Catalogue;
 use dcon_bench::protocol::LineSettings;
-use dcon_bench::sim::Pace;
+use dcon_bench::sim::{FaultKind, Faults, Pace};
 use dcon_bench::ui::{App, LineChoice, Settings, Start};
 use eframe::egui::accesskit::Role;
 use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use jiff::Timestamp;
 
 use crate::harness::*;
 
@@ -84,7 +85,8 @@ fn what_needs_the_line_is_disabled_while_it_is_lost_and_polling_is_not() {
     sim.unplug();
     until(&mut window, "the loss", is_lost);
     window.step();
-    for label in ["Scan", "Read again", "Write 1", "Clear alarm"] {
+    let reset = ["Reset latches of Temperature", "Reset all latches"];
+    for label in ["Scan", "Read again", "Write 1", "Clear alarm"].into_iter().chain(reset) {
         assert!(is_disabled(&window, Role::Button, label), "{label}");
     }
     for label in ["Close line", "Pause polling", "Revert all"] {
@@ -121,7 +123,8 @@ fn on_port(name: &str) -> (Harness<'static, App>, impl Fn(&mut Harness<'static, 
     let settings = Settings { line: LineChoice::Port(name.to_owned()), ..Settings::default() };
     let mut window = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
         let (catalogue, _) = Catalogue::built_in();
-        let bench = Bench::new(bus, catalogue.into(), &[]);
+        // What is said and what is over does not hang on the clock, which may stand or go back.
+        let bench = Bench::new(bus, catalogue.into(), &[]).with_clock(|| Timestamp::UNIX_EPOCH);
         App::new(&creation.egui_ctx, bench, Start { simulated: LineAddress::demo(), demo: false, settings })
     });
     let line = LineAddress::Serial { port: name.to_owned() };
@@ -150,4 +153,69 @@ fn an_adapter_that_returns_under_another_name_is_the_line_from_then_on() {
     let settings = window.state().settings();
     assert_eq!(settings.line, LineChoice::Port("/dev/ttyUSB1".to_owned()));
     assert_eq!(settings.recent_ports, ["/dev/ttyUSB1", "/dev/ttyUSB0"]);
+}
+
+fn dismissals(window: &Window) -> Vec<String> {
+    let buttons = window.query_all_by_role(Role::Button).filter_map(|node| node.accesskit_node().label());
+    buttons.filter(|label| label.starts_with("Dismiss")).collect()
+}
+
+#[test]
+fn the_banner_of_a_loss_goes_with_the_return_and_several_losses_are_one() {
+    let (mut window, tell) = on_port("/dev/ttyUSB0");
+    let line = LineAddress::Serial { port: "/dev/ttyUSB0".to_owned() };
+    for _ in 0..3 {
+        tell(&mut window, BusEvent::LineLost { reason: "it was unplugged".to_owned() });
+        assert!(shows(&window, "plug the adapter in again"));
+        assert_eq!(dismissals(&window), ["Dismiss"]);
+        tell(&mut window, BusEvent::LineRestored { line: line.clone() });
+        assert!(!shows(&window, "plug the adapter in again"));
+        assert_eq!(dismissals(&window), [""; 0]);
+    }
+    let losses = window.state().bench().notices().filter(|notice| notice.text.contains("is gone"));
+    assert_eq!(losses.count(), 3);
+}
+
+#[test]
+fn the_status_bar_does_not_repeat_the_banner() {
+    let (mut window, tell) = on_port("/dev/ttyUSB0");
+    tell(&mut window, BusEvent::LineLost { reason: "it was unplugged".to_owned() });
+    assert_eq!(window.query_all_by_label_contains("plug the adapter in again, it is taken up").count(), 1);
+}
+
+#[test]
+fn an_error_of_another_kind_stays_in_the_banner_after_the_return() {
+    let (mut window, tell) = on_port("/dev/ttyUSB0");
+    window.state_mut().apply(Action::Notify(Severity::Error, "The disk is full".to_owned()));
+    tell(&mut window, BusEvent::LineLost { reason: "it was unplugged".to_owned() });
+    assert_eq!(dismissals(&window), ["Dismiss 2"]);
+    let line = LineAddress::Serial { port: "/dev/ttyUSB0".to_owned() };
+    tell(&mut window, BusEvent::LineRestored { line });
+    assert!(shows(&window, "The disk is full"));
+    assert_eq!(dismissals(&window), ["Dismiss"]);
+}
+
+#[test]
+fn a_line_closed_while_it_was_lost_is_not_said_to_come_back() {
+    let (mut window, tell) = on_port("/dev/ttyUSB0");
+    tell(&mut window, BusEvent::LineLost { reason: "it was unplugged".to_owned() });
+    window.state_mut().apply(Action::Disconnect);
+    tell(&mut window, BusEvent::Closed { id: RequestId(2) });
+    assert!(shows(&window, "No line open"));
+    assert_eq!(dismissals(&window), [""; 0]);
+}
+
+#[test]
+fn a_port_that_takes_no_bytes_is_not_to_be_plugged_in_but_freed() {
+    let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
+    let mut window = shown(&sim);
+    let mut faults = sim.faults();
+    faults.switch_on(FaultKind::BlockedWrite);
+    sim.set_faults(faults);
+    until(&mut window, "the advice", |window| shows(window, "switch flow control off, unplug and replug the adapter"));
+    assert!(!shows(&window, "plug the adapter in again"));
+    sim.set_faults(Faults::default());
+    until(&mut window, "the return", |window| window.state().bench().line().is_open());
+    window.step();
+    assert_eq!(dismissals(&window), [""; 0]);
 }

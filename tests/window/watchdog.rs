@@ -103,6 +103,17 @@ fn host_ok_keeps_the_watchdog_quiet_and_stopping_it_asks() {
     until(&mut window, "the trip", |window| shows(window, "Tripped"));
     assert!(holds(&sim, "wdt_tripped", "true"));
     until(&mut window, "that it is disabled now", |window| !window.state().bench().shown().unwrap().watchdog_counts());
+    sim.unplug();
+    until(&mut window, "the loss", |window| window.state().bench().line().is_lost());
+    window.step();
+    let clear = window.get_by_role_and_label(Role::Button, "Clear tripped watchdog");
+    assert!(clear.accesskit_node().is_disabled());
+    clear.hover();
+    until(&mut window, "the reason", |window| {
+        window.query_by_label("The line is lost: plug the adapter in again").is_some()
+    });
+    sim.plug();
+    until(&mut window, "the return", |window| window.state().bench().line().is_open());
     click(&mut window, Role::Button, "Clear tripped watchdog");
     until(&mut window, "it is cleared", |window| holds(&sim, "wdt_tripped", "false") && shows(window, "Not tripped"));
 }

@@ -154,9 +154,7 @@ pub fn found_elsewhere(init: &InitProcedure) -> String {
 pub fn lost_line(line: &LineState) -> Option<String> {
     match line {
         LineState::Open { .. } => None,
-        LineState::Lost { line, reason } => {
-            Some(format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself"))
-        }
+        LineState::Lost { .. } => line.loss(),
         LineState::Opening { line } => Some(format!("{line} is being opened")),
         LineState::Closed => Some("The line is closed".to_owned()),
     }

@@ -294,7 +294,10 @@ pub fn state(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
     }
     let response = widgets::fixed_coloured(ui, width, Align::Min, &text, colour);
     widgets::describe(&response, Role::Label, &format!("{}: {text}", item.label));
-    response.on_hover_text(&text);
+    match &state {
+        ItemState::Unreadable(failure) => drop(response.on_hover_text(failure.to_string())),
+        _ => drop(response.on_hover_text(&text)),
+    }
     if changed {
         let obstacle = pass.bench.line().obstacle();
         let writable = !matches!(state, ItemState::Invalid(_)) && obstacle.is_none();
@@ -340,7 +343,7 @@ fn state_words(
         ItemState::Invalid(allowed) => (Some(Glyph::Cross), palette.error, (*allowed).to_owned()),
         ItemState::BeingWritten => (Some(Glyph::Dashes), palette.accent, "being written".to_owned()),
         ItemState::Refused(reason) => (Some(Glyph::Cross), palette.error, (*reason).to_owned()),
-        ItemState::Unreadable(failure) => (Some(Glyph::Cross), palette.error, failure.to_string()),
+        ItemState::Unreadable(failure) => (Some(Glyph::Cross), palette.error, words::not_read(failure)),
     }
 }
 

@@ -57,13 +57,9 @@ fn contents(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         let known = module.definition().and_then(|definition| definition.action("clear_watchdog"));
         if known.is_some_and(|action| action.is_offered(module.target.protocol)) {
             let help = "Clears the watchdog, so that the relays can be switched again";
-            if button(
-                ui,
-                "Clear",
-                "Clear tripped watchdog",
-                help,
-                !module.is_acting("clear_watchdog") && pass.bench.line().obstacle().is_none(),
-            ) {
+            let busy = module.is_acting("clear_watchdog").then_some("It is being carried out");
+            let barred = pass.bench.line().obstacle().or(busy);
+            if button(ui, "Clear", "Clear tripped watchdog", help, barred) {
                 pass.actions.push(Action::Act(module.target, "clear_watchdog".to_owned()));
             }
         }
@@ -78,7 +74,7 @@ fn contents(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
             said(ui, Glyph::Outline, palette.warning, &text);
         }
         (Some(host_ok), counts) => {
-            if button(ui, "Stop", "Stop Host OK", "Stops sending Host OK", true) {
+            if button(ui, "Stop", "Stop Host OK", "Stops sending Host OK", None) {
                 watchdog::stop(module, pass);
             }
             let sent = watchdog::period_words(host_ok);
@@ -91,8 +87,10 @@ fn contents(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
     }
 }
 
-fn button(ui: &mut Ui, text: &str, name: &str, help: &str, enabled: bool) -> bool {
+fn button(ui: &mut Ui, text: &str, name: &str, help: &str, barred: Option<&str>) -> bool {
+    let enabled = barred.is_none();
     let response = ui.add_enabled(enabled, eframe::egui::Button::new(text)).on_hover_text(help);
+    let response = response.on_disabled_hover_text(barred.unwrap_or_default());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
     response.clicked()
 }

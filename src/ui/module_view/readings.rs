@@ -121,8 +121,10 @@ fn note(series: &Series<'_>, freshness: &Freshness, palette: &Palette) -> (Strin
         (Freshness::Fresh, _) => (String::new(), palette.quiet),
         // That the line is gone stands above, once for all.
         (Freshness::Old(age), None | Some(Failure::LineLost(_))) => (format!("{} old", words::age(*age)), palette.old),
-        (Freshness::Old(age), Some(problem)) => (format!("{} old – {problem}", words::age(*age)), palette.error),
-        (Freshness::Unknown, Some(problem)) => (problem.to_string(), palette.error),
+        (Freshness::Old(age), Some(problem)) => {
+            (format!("{} old – {}", words::age(*age), words::not_read(problem)), palette.error)
+        }
+        (Freshness::Unknown, Some(problem)) => (words::not_read(problem), palette.error),
         (Freshness::Unknown, None) => ("not read yet".to_owned(), palette.old),
     }
 }

@@ -227,10 +227,12 @@ fn row(ui: &mut Ui, module: &Module, entry: &Entry, now: Timestamp) {
 
 fn remark(ui: &Ui, module: &Module, entry: &Entry, now: Timestamp) -> Remark {
     let palette = theme::palette(ui);
-    let failed = module.reading(&entry.id).is_some_and(|reading| reading.problem.is_some());
+    let failure = module.reading(&entry.id).and_then(|reading| reading.problem.as_ref()).map(words::not_read);
     let (glyph, text) = match &entry.problem {
         _ if module.edit(&entry.id).is_some() => (Some((Glyph::Edited, palette.accent)), "changed, not written"),
-        Some(problem) if failed => (Some((Glyph::Cross, palette.error)), problem.as_str()),
+        Some(problem) if failure.is_some() => {
+            (Some((Glyph::Cross, palette.error)), failure.as_deref().unwrap_or(problem.as_str()))
+        }
         Some(problem) => (Some((Glyph::Dashes, palette.quiet)), problem.as_str()),
         None if entry.differs => (Some((Glyph::Disc, palette.accent)), "differs from factory"),
         None => (None, ""),

@@ -64,13 +64,18 @@ pub fn facts(bench: &Bench) -> Vec<String> {
     let mut lines = Vec::new();
     lines.extend(problem.clone());
     lines.extend(file.as_ref().map(|file| format!("File  {}", file_name(file))));
-    lines.push(format!("{} samples on the disk, {} waiting", count(*samples), count(*waiting)));
+    lines.push(format!("{} on the disk, {} waiting", counted(*samples), count(*waiting)));
     let until = saved_until.map(|until| words::clock(timestamp(until)));
     lines.extend(until.map(|until| format!("Everything until {until} is saved")));
     if *lost > 0 {
-        lines.push(format!("{} samples found no room in memory and are lost", count(*lost)));
+        let are = if *lost == 1 { "is" } else { "are" };
+        lines.push(format!("{} found no room in memory and {are} lost", counted(*lost)));
     }
     lines
+}
+
+fn counted(samples: u64) -> String {
+    format!("{} {}", count(samples), if samples == 1 { "sample" } else { "samples" })
 }
 
 fn count(number: u64) -> String {

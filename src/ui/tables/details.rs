@@ -87,11 +87,11 @@ fn facts(frame: &FrameRef<'_>) -> Vec<[String; 3]> {
         spoken = format!("{spoken} {}", frame.settings);
     }
     let (_, way) = direction_mark(frame.direction);
-    let bytes = frame.bytes.len();
+    let bytes = words::counted(frame.bytes.len(), "byte");
     let mut facts = vec![[
         "Frame".to_owned(),
         words::clock(frame.at),
-        format!("{way}, {spoken}, {bytes} bytes, {}", words::milliseconds(frame.took)),
+        format!("{way}, {spoken}, {bytes}, {}", words::milliseconds(frame.took)),
     ]];
     if let Outcome::Broken(reason) = frame.outcome {
         facts.push(["Trouble".to_owned(), String::new(), reason.to_owned()]);

@@ -75,6 +75,8 @@ pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
 pub const PLAN_HEIGHT: f32 = 90.0 * UNIT;
 /// The panel of faults, and two of its columns.
 pub const FAULTS_WIDTH: f32 = 92.0 * UNIT;
+/// How far below the top bar it opens: the tabs and the header of a module stay free.
+pub const FAULTS_BELOW: f32 = TAB_HEIGHT + 3.0 * CONTROL_HEIGHT;
 pub const FAULT_STRENGTH: f32 = 20.0 * UNIT;
 pub const FAULT_COUNT: f32 = 14.0 * UNIT;
 pub const INTERVAL_WIDTH: f32 = 48.0 * UNIT;

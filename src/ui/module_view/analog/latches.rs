@@ -123,7 +123,8 @@ fn menu(ui: &mut Ui, module: &Module, text: &str, name: &str, choices: [Choice<'
     if choices.iter().all(|choice| choice.actions.is_empty()) {
         return;
     }
-    let response = widgets::menu(ui, text, name, |ui| {
+    let obstacle = pass.bench.line().obstacle();
+    let contents = |ui: &mut Ui| {
         ui.set_width(theme::LATCH_MENU_WIDTH);
         for Choice { title, actions } in choices.iter().filter(|choice| !choice.actions.is_empty()) {
             let help: Vec<&str> = actions.iter().map(|action| action.help.as_str()).collect();
@@ -140,7 +141,10 @@ fn menu(ui: &mut Ui, module: &Module, text: &str, name: &str, choices: [Choice<'
                 ui.close();
             }
         }
-    });
+    };
+    let menu = |ui: &mut Ui| widgets::menu(ui, text, name, contents);
+    let response = ui.add_enabled_ui(obstacle.is_none(), menu).inner;
+    let response = response.on_disabled_hover_text(obstacle.unwrap_or_default());
     response.on_hover_text(format!("Latches start again from the present values; {LOST}"));
 }
 
@@ -151,8 +155,9 @@ fn entry(
     actions: &[&module::Action],
     pass: &mut Pass<'_>,
 ) -> eframe::egui::Response {
-    let busy = actions.iter().any(|action| module.is_acting(&action.id));
-    let explanation = format!("From the present value on; {LOST}");
+    let obstacle = pass.bench.line().obstacle();
+    let busy = obstacle.is_some() || actions.iter().any(|action| module.is_acting(&action.id));
+    let explanation = obstacle.map_or_else(|| format!("From the present value on; {LOST}"), str::to_owned);
     let response = widgets::menu_entry(ui, !busy, title, &explanation);
     if response.clicked() {
         pass.actions.extend(actions.iter().map(|action| bench::Action::Act(module.target, action.id.clone())));

@@ -14,6 +14,7 @@ use crate::protocol::Protocol;
 use crate::ui::app::Pass;
 use crate::ui::theme::{self, Palette};
 use crate::ui::widgets::{self, Glyph};
+use crate::ui::words;
 
 /// Scripts that are offered again.
 const OFFERED: usize = 10;
@@ -148,11 +149,18 @@ impl ScriptPage {
             (Err(error), _) => (Glyph::Cross, palette.error, sending::sentence(&error.to_string())),
             (Ok(_), Some(Running { run, ended: None, .. })) => {
                 let line = run.current_line().map(|line| format!("Line {line}")).unwrap_or_default();
-                let left = run.repeats_left().map(|left| format!(", {left} repeats left")).unwrap_or_default();
+                let left = run
+                    .repeats_left()
+                    .map(|left| format!(", {} left", words::counted(left, "repeat")))
+                    .unwrap_or_default();
                 (Glyph::Disc, palette.accent, format!("{line} is under way{left}"))
             }
             (Ok(_), Some(Running { run, ended: Some(Ok(())), .. })) => {
-                let done = format!("Done: {} steps, {} answers as expected", run.progress().done, run.met());
+                let done = format!(
+                    "Done: {}, {} as expected",
+                    words::counted(run.progress().done, "step"),
+                    words::counted(run.met(), "answer")
+                );
                 (Glyph::Ring, palette.ok, done)
             }
             (Ok(_), Some(Running { ended: Some(Err((line, reason))), .. })) => {

@@ -213,7 +213,7 @@ fn reason(ui: &mut Ui, module: &Module, item: &Item, barred: Option<&Barred>) {
         (_, ItemState::BeingWritten) => (palette.accent, "being written".to_owned()),
         (_, ItemState::Refused(reason)) => (palette.error, format!("Not switched: {reason}")),
         (Some(Barred::Line(reason)), _) => (palette.quiet, (*reason).to_owned()),
-        (_, ItemState::Unreadable(failure)) => (palette.error, failure.to_string()),
+        (_, ItemState::Unreadable(failure)) => (palette.error, words::not_read(failure)),
         (Some(Barred::ReadOnly(how)), _) => (palette.quiet, how.clone()),
         (Some(Barred::Tripped), _) => {
             let safe = safe.unwrap_or_default();
@@ -227,13 +227,16 @@ fn reason(ui: &mut Ui, module: &Module, item: &Item, barred: Option<&Barred>) {
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     painter.galley(Align2::LEFT_TOP.align_size_within_rect(galley.size(), rect).min, galley, colour);
     widgets::describe(&response, Role::Label, &format!("{}: {text}", item.label));
-    response.on_hover_text(text);
+    match module.state(&item.id) {
+        ItemState::Unreadable(failure) if barred.is_none() => response.on_hover_text(failure.to_string()),
+        _ => response.on_hover_text(text),
+    };
 }
 
 /// The button that lets the next click succeed, if there is one.
 fn way_out(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, barred: Option<&Barred>) {
     if let ItemState::Refused(_) = module.state(&item.id) {
-        if named(ui, true, "Dismiss", &format!("Dismiss {}", item.label), "The relay stays as it is") {
+        if named(ui, None, "Dismiss", &format!("Dismiss {}", item.label), "The relay stays as it is") {
             pass.actions.push(Action::Revert(module.target, Some(item.id.clone())));
         }
         return;
@@ -246,14 +249,16 @@ fn way_out(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, barre
     let busy = module.edit(&source.id).is_some_and(|edit| matches!(edit.state, EditState::Writing(_)));
     let help = format!("Sets {} to command and writes it at once", source.label);
     let name = format!("Let commands switch {}", item.label);
-    let possible = !busy && pass.bench.line().obstacle().is_none();
-    if named(ui, possible, "Let commands switch it", &name, &help) {
+    let barred = pass.bench.line().obstacle().or(busy.then_some("It is being written"));
+    if named(ui, barred, "Let commands switch it", &name, &help) {
         pass.actions.push(Action::Set(module.target, source.id.clone(), COMMAND.to_owned()));
     }
 }
 
-fn named(ui: &mut Ui, enabled: bool, text: &str, name: &str, help: &str) -> bool {
+fn named(ui: &mut Ui, barred: Option<&str>, text: &str, name: &str, help: &str) -> bool {
+    let enabled = barred.is_none();
     let response = ui.add_enabled(enabled, Button::new(text)).on_hover_text(help);
+    let response = response.on_disabled_hover_text(barred.unwrap_or_default());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
     response.clicked()
 }

@@ -254,7 +254,7 @@ impl Form {
             }
         };
         let samples = grouped(usize::try_from(samples).unwrap_or(usize::MAX));
-        format!("About {samples} samples of {} readings", series.len())
+        format!("About {samples} samples of {}", words::counted(series.len(), "reading"))
     }
 
     fn plan(&self, series: Vec<SeriesId>, span: Span, now: Timestamp) -> Plan {
