@@ -211,7 +211,7 @@ impl Bench {
     }
 
     /// The adapter of the lost line is there again and cannot be taken up: why, told once for each loss.
-    pub fn line_is_still_lost(&mut self, reason: String) {
+    pub(super) fn line_is_still_lost(&mut self, reason: String) {
         let LineState::Lost { line, reason: known } = &mut self.line else { return };
         let text = told_barred(line, &reason);
         *known = reason;

@@ -85,6 +85,8 @@ fn recording_begins_with_the_first_poll_and_is_stopped_and_started_with_a_click(
     assert!(first.starts_with(std::fs::canonicalize(folder.path()).unwrap().join("recordings")), "{first:?}");
     assert!(status(&window).starts_with("recording "), "{}", status(&window));
     click(&mut window, Role::Button, "Recording");
+    // The popup finds its place in its second picture.
+    (0..3).for_each(|_| window.step());
     click(&mut window, Role::MenuItem, "Stop recording");
     until(&mut window, "it is stopped", |window| status(window) == "not recording");
     assert!(window.state().bench().modules()[0].interval.is_some(), "polling goes on");
