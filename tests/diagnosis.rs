@@ -45,6 +45,14 @@ fn an_address_where_nobody_is_ends_with_1_and_the_next_step() {
 }
 
 #[test]
+fn answers_that_a_repeater_doubles_are_told_as_such() {
+    let output = bench(&demo("diagnose --address 1 --reads 30 --fault doubled=100%"));
+    let told = text(&output.stdout);
+    assert!(told.contains("answers come twice – 30 of 30 reads answered, all the same;"), "{told}");
+    assert!(!told.contains("Line noise"), "{told}");
+}
+
+#[test]
 fn a_port_that_is_not_there_is_a_finding() {
     let output = bench(&["diagnose", "--port", "/dev/no-such-port", "--address", "1", "--json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -77,6 +85,10 @@ fn a_bundle_holds_what_others_need_to_help() {
     assert!(read("traffic.csv").lines().count() > 10);
     assert!(read("versions.txt").starts_with("dcon-bench "));
     read("ports.json");
+    let lines = read("traffic.csv").lines().count();
+    let capture = zip.by_name("traffic.pcapng").unwrap();
+    let frames = dcon_bench::capture::read(capture).unwrap().collect::<Result<Vec<_>, _>>().unwrap();
+    assert_eq!(frames.len() + 1, lines, "the same frames in both, and the names of the columns");
 }
 
 #[test]

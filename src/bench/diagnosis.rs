@@ -1,11 +1,32 @@
 //! What is known of the health of the line that is open, and the test of a module's consistency.
 
+use std::io;
+use std::ops::Range;
+
+use super::traffic::{FrameRef, TrafficLog, append_csv, write_csv};
 use super::{Bench, LineState, Severity};
 use crate::bus::{BusCommand, Frame, LatencyTimer, LineAddress, LineProblem, RequestId, Target};
-use crate::diagnosis::bundle::{Bundle, Part};
+use crate::diagnosis::bundle::{self, Bundle, Traffic};
 use crate::diagnosis::{ConsistencyTest, Diagnosis, Report};
-use crate::folders;
 use crate::protocol::Failure;
+
+/// Tells what a frame means, given the request that it answers.
+type Explain<'a> = &'a dyn Fn(&FrameRef<'_>, Option<&FrameRef<'_>>) -> String;
+
+impl TrafficLog {
+    /// Adds the frames `seqs` to a bundle's traffic; those that were forgotten are passed over.
+    ///
+    /// # Errors
+    /// If a frame cannot be written.
+    pub fn add_to_bundle(&self, seqs: Range<u64>, explain: Explain<'_>, to: &mut Traffic) -> io::Result<()> {
+        if to.csv.is_empty() {
+            write_csv(self, seqs.clone(), explain, &mut to.csv)?;
+        } else {
+            append_csv(self, seqs.clone(), explain, &mut to.csv)?;
+        }
+        seqs.filter_map(|seq| self.get(seq)).try_for_each(|frame| to.frame(&frame.to_frame()))
+    }
+}
 
 /// The live diagnosis with the test under way.
 #[derive(Default)]
@@ -49,10 +70,12 @@ impl Bench {
         self.diagnosis.known.report(self.now(), line, name)
     }
 
-    /// What goes into one file for asking others for help, with these further parts.
-    pub fn support_bundle(&self, parts: Vec<Part>) -> Bundle {
-        let settings = folders::config().and_then(|folder| std::fs::read_to_string(folder.join("settings.toml")).ok());
-        Bundle { report: self.diagnosis_report(), ports: self.ports.clone(), settings, parts }
+    /// What goes into one file for asking others for help, with this traffic.
+    ///
+    /// # Errors
+    /// If the traffic cannot be ended.
+    pub fn support_bundle(&self, traffic: Traffic) -> io::Result<Bundle> {
+        bundle::gather(self.diagnosis_report(), self.ports.clone(), traffic)
     }
 
     /// The test under way.

@@ -11,11 +11,10 @@ use super::line_args::{LineArgs, ModuleWord};
 use super::output;
 use super::session::{self, Session};
 use super::{Outcome, Stop};
-use crate::bench::traffic::{FrameRef, TrafficLog, explain_frame, write_csv};
+use crate::bench::traffic::{FrameRef, TrafficLog, explain_frame};
 use crate::bus::{LatencyTimer, LineAddress, Target, ports};
-use crate::diagnosis::bundle::{Bundle, MOST_FRAMES, Part, TRAFFIC};
+use crate::diagnosis::bundle::{Bundle, Traffic, gather, last_frames};
 use crate::diagnosis::{DEFAULT_READS, READS, Report};
-use crate::folders;
 use crate::protocol::Protocol;
 use examination::Examination;
 
@@ -116,11 +115,9 @@ fn adapter(line: &LineAddress) -> Option<LatencyTimer> {
     }
 }
 
-fn bundle(report: Report, traffic: &TrafficLog) -> Outcome<Bundle> {
-    let settings = folders::config().and_then(|folder| std::fs::read_to_string(folder.join("settings.toml")).ok());
-    let first = traffic.next_seq().saturating_sub(MOST_FRAMES).max(traffic.first_seq());
-    let mut csv = Vec::new();
+fn bundle(report: Report, log: &TrafficLog) -> Outcome<Bundle> {
+    let mut traffic = Traffic::new(&report.line.name)?;
     let explain = |frame: &FrameRef<'_>, request: Option<&FrameRef<'_>>| explain_frame(frame, request, None).summary;
-    write_csv(traffic, first..traffic.next_seq(), &explain, &mut csv)?;
-    Ok(Bundle { report, ports: ports(), settings, parts: vec![Part::new(TRAFFIC, csv)] })
+    log.add_to_bundle(last_frames(log.first_seq()..log.next_seq()), &explain, &mut traffic)?;
+    Ok(gather(report, ports(), traffic)?)
 }

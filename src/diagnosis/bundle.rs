@@ -1,6 +1,7 @@
 //! One zip with everything that helps somebody else to help.
 
 use std::io::{self, Cursor, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use jiff::Timestamp;
@@ -8,13 +9,50 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::Report;
-use crate::bus::PortInfo;
+use crate::bus::{Frame, PortInfo};
+use crate::capture::{CaptureWriter, Form};
+use crate::folders;
 use crate::record::write_whole;
 
 /// Frames of traffic that a bundle holds at most.
 pub const MOST_FRAMES: u64 = 20_000;
-/// The name of the traffic's part.
-pub const TRAFFIC: &str = "traffic.csv";
+/// The names of the traffic's parts.
+const TRAFFIC_CSV: &str = "traffic.csv";
+const TRAFFIC_PCAPNG: &str = "traffic.pcapng";
+
+/// Of the frames with these numbers, the last ones that a bundle holds.
+pub fn last_frames(frames: Range<u64>) -> Range<u64> {
+    frames.end.saturating_sub(MOST_FRAMES).max(frames.start)..frames.end
+}
+
+/// The traffic of a bundle in both forms, gathered frame by frame.
+pub struct Traffic {
+    /// The lines of a CSV file, its column names first.
+    pub csv: Vec<u8>,
+    capture: CaptureWriter<Vec<u8>>,
+}
+
+impl Traffic {
+    /// Begins the traffic of the line of this name.
+    ///
+    /// # Errors
+    /// If the capture cannot be begun.
+    pub fn new(line: &str) -> io::Result<Self> {
+        Ok(Self { csv: Vec::new(), capture: CaptureWriter::new(Form::Pcapng, Vec::new(), line)? })
+    }
+
+    /// Adds a frame to the capture; its line of CSV is the caller's.
+    ///
+    /// # Errors
+    /// If the frame cannot be written.
+    pub fn frame(&mut self, frame: &Frame) -> io::Result<()> {
+        self.capture.frame(frame)
+    }
+
+    fn into_parts(self) -> io::Result<Vec<Part>> {
+        Ok(vec![Part::new(TRAFFIC_CSV, self.csv), Part::new(TRAFFIC_PCAPNG, self.capture.finish()?)])
+    }
+}
 
 /// One file in the bundle.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,17 +79,25 @@ pub struct Bundle {
     pub parts: Vec<Part>,
 }
 
+/// Everything that helps, with the settings file of this computer's user.
+///
+/// # Errors
+/// If the traffic cannot be ended.
+pub fn gather(report: Report, ports: Vec<PortInfo>, traffic: Traffic) -> io::Result<Bundle> {
+    let settings = folders::config().and_then(|folder| std::fs::read_to_string(folder.join("settings.toml")).ok());
+    Ok(Bundle { report, ports, settings, parts: traffic.into_parts()? })
+}
+
 const README: &str = "\
 What is in this file
 
-report.txt     what was found on the line, for people
-report.json    the same for programs
-versions.txt   program and operating system
-ports.json     the serial ports of the computer
-settings.toml  the settings of the program, if there are any
-traffic.csv    the last bytes that were sent and received on the line, with their times
-
-Other files are named for what they hold, such as traffic.pcapng for Wireshark.
+report.txt      what was found on the line, for people
+report.json     the same for programs
+versions.txt    program and operating system
+ports.json      the serial ports of the computer
+settings.toml   the settings of the program, if there are any
+traffic.csv     the last bytes that were sent and received on the line, with their times
+traffic.pcapng  the same for Wireshark
 
 Before you pass it on
 
@@ -122,7 +168,9 @@ mod tests {
     fn a_bundle_is_a_zip_that_tells_what_is_in_it_and_what_to_look_out_for() {
         let report = Diagnosis::default().report(Timestamp::UNIX_EPOCH, "COM3", |_| None);
         let settings = Some("theme = \"dark\"\n".to_owned());
-        let parts = vec![Part::new(TRAFFIC, "time\n"), Part::new("traffic.pcapng", [1, 2, 3])];
+        let mut traffic = Traffic::new("COM3").unwrap();
+        traffic.csv.extend(b"time\n");
+        let parts = traffic.into_parts().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("help.zip");
         Bundle { report, ports: Vec::new(), settings, parts }.write(&path).unwrap();

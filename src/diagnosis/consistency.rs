@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::histogram::{Histogram, Times};
 use super::outcome::{FailureKind, Outcome};
 use super::station::{answer_time, fingerprint};
+use super::surplus::{Heard, Surplus};
 use crate::bus::{Direction, Frame, RawRequest, Target};
 use crate::protocol::{Failure, Protocol, dcon, modbus};
 
@@ -16,10 +17,10 @@ pub const DEFAULT_READS: u32 = 50;
 pub const READS: RangeInclusive<u32> = 5..=1_000;
 /// A module that was silent so often from the beginning is not asked further.
 const SILENT_ENOUGH: u32 = 10;
-/// Broken answers in this part of the reads, each another one, are collisions and no chance.
+/// What was seen only once may be a flipped bit that no checksum shows.
+const NO_CHANCE: u32 = 2;
+/// Broken answers in this part of the reads, each another one, may be two modules.
 const COLLIDING: f64 = 0.3;
-/// Answers followed by more bytes in this part of the reads are two answers.
-const FOLLOWED: f64 = 0.2;
 
 /// What the answers to identical reads say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -28,6 +29,14 @@ pub enum Judgement {
     Fine,
     /// More than one module answers at the address.
     Doubled,
+    /// Broken answers that change each time: more than one module, or noise.
+    DoubledOrNoise,
+    /// Second copies of the answers come behind them.
+    Twice,
+    /// No answer can be used, and all are broken in the same way.
+    SameErrors,
+    /// Bytes come, and none make sense.
+    Unreadable,
     Noise,
     /// Some reads had no answer.
     Lossy,
@@ -41,6 +50,10 @@ impl Judgement {
         match self {
             Self::Fine => "consistent",
             Self::Doubled => "more than one module",
+            Self::DoubledOrNoise => "two modules at one address, or noise",
+            Self::Twice => "answers come twice",
+            Self::SameErrors => "broken in the same way each time",
+            Self::Unreadable => "not readable",
             Self::Noise => "noise",
             Self::Lossy => "answers get lost",
             Self::NoAnswer => "no answer",
@@ -63,8 +76,14 @@ pub struct Consistency {
     pub failures: BTreeMap<FailureKind, u32>,
     /// How many broken answers differ from each other.
     pub different_failures: usize,
-    /// Reads behind whose answers more bytes came.
+    /// Second copies that came behind answers, byte for byte.
+    pub copies: u32,
+    /// Other whole answers that came behind the first.
+    pub second_answers: u32,
+    /// Reads behind whose answers more bytes came that are no answer.
     pub followed: u32,
+    /// Answers that came when their read had been given up.
+    pub late: u32,
     /// Answers with stray bytes around them.
     pub noisy: u32,
     pub times: Option<Times>,
@@ -83,9 +102,18 @@ pub struct ConsistencyTest {
     answers: BTreeMap<u64, u32>,
     failures: BTreeMap<FailureKind, u32>,
     forms: BTreeSet<u64>,
+    copies: u32,
+    second_answers: u32,
     followed: u32,
+    late: u32,
     noisy: u32,
+    /// Reads that were not sent because somebody else was in a hurry.
+    postponed: u32,
     times: Histogram,
+    /// The last request, and what came on it.
+    request: Vec<u8>,
+    heard: Heard,
+    is_silent: bool,
     /// The last frame that was sent is one of the test's.
     is_own: bool,
     lost: bool,
@@ -101,9 +129,16 @@ impl ConsistencyTest {
             answers: BTreeMap::new(),
             failures: BTreeMap::new(),
             forms: BTreeSet::new(),
+            copies: 0,
+            second_answers: 0,
             followed: 0,
+            late: 0,
             noisy: 0,
+            postponed: 0,
             times: Histogram::default(),
+            request: Vec::new(),
+            heard: Heard::default(),
+            is_silent: false,
             is_own: false,
             lost: false,
         }
@@ -140,23 +175,51 @@ impl ConsistencyTest {
     pub fn take(&mut self, frame: &Frame) {
         if frame.direction == Direction::Sent {
             self.is_own = self.is_request(frame);
+            self.request.clone_from(&frame.bytes);
+            (self.heard, self.is_silent) = (Heard::default(), false);
             return;
         }
         if !self.is_own {
             return;
         }
         match Outcome::of(frame) {
-            Some(Outcome::Unasked) => self.followed = self.followed.saturating_add(1),
+            Some(Outcome::Unasked) => self.followed_by(frame),
             Some(Outcome::Answer | Outcome::Refusal(_)) => {
                 self.times.add(answer_time(frame));
-                self.noisy = self.noisy.saturating_add(u32::from(frame.noise));
+                self.heard = Heard::of(frame, Some(&self.request));
+                self.count(Surplus::around(frame, Some(&self.request)));
             }
+            Some(Outcome::Failed(FailureKind::NoAnswer)) => self.is_silent = true,
             _ => {}
         }
     }
 
+    /// What came behind a read is a second answer to it, or the first if it had been given up.
+    fn followed_by(&mut self, frame: &Frame) {
+        match self.heard.behind(frame) {
+            what if self.is_silent && what.is_whole() => self.late = self.late.saturating_add(1),
+            Surplus::Stray | Surplus::Piece => self.followed = self.followed.saturating_add(1),
+            what => self.count(what),
+        }
+    }
+
+    fn count(&mut self, what: Surplus) {
+        let counter = match what {
+            Surplus::Nothing => return,
+            Surplus::Copy => &mut self.copies,
+            Surplus::Other => &mut self.second_answers,
+            Surplus::Piece | Surplus::Stray => &mut self.noisy,
+        };
+        *counter = counter.saturating_add(1);
+    }
+
     /// Takes in how a request came out.
     pub fn answered(&mut self, result: &Result<Vec<u8>, Failure>) {
+        // Nothing was sent: a wait for somebody's late answer was cut short.
+        if matches!(result, Err(Failure::Garbled { bytes, .. }) if bytes.is_empty()) {
+            self.postponed = self.postponed.saturating_add(1);
+            return;
+        }
         self.reads = self.reads.saturating_add(1);
         match result {
             Ok(answer) if self.is_others(answer) => self.failed(FailureKind::WrongAddress, answer),
@@ -167,7 +230,10 @@ impl ConsistencyTest {
             Err(Failure::Silent) => self.failed(FailureKind::NoAnswer, &[]),
             Err(Failure::Cut { bytes }) => self.failed(FailureKind::CutShort, bytes),
             Err(Failure::Collision { bytes }) => self.failed(FailureKind::Collision, bytes),
-            Err(Failure::Garbled { reason, bytes }) => self.failed(FailureKind::of_reason(reason), bytes),
+            Err(Failure::Garbled { reason, bytes }) => {
+                let Target { protocol, address, .. } = self.target;
+                self.failed(FailureKind::of_broken(reason, bytes, protocol, Some(address)), bytes);
+            }
             Err(Failure::LineLost(_) | Failure::NotOffered(_)) => self.lost = true,
             Err(refusal) => {
                 let count = self.answers.entry(fingerprint(refusal.to_string().as_bytes())).or_default();
@@ -193,7 +259,7 @@ impl ConsistencyTest {
 
     pub fn is_done(&self) -> bool {
         let mute = self.reads >= SILENT_ENOUGH && self.silences() == self.reads;
-        self.lost || mute || self.reads >= self.wanted
+        self.lost || mute || self.reads >= self.wanted || self.postponed >= self.wanted
     }
 
     /// How much of it is done, 0 to 1.
@@ -214,17 +280,37 @@ impl ConsistencyTest {
         self.failures.values().sum::<u32>().saturating_sub(self.silences())
     }
 
+    /// How many answers of different content came, each more often than by chance.
+    fn voices(&self) -> usize {
+        self.answers.values().filter(|count| **count >= NO_CHANCE).count()
+    }
+
+    /// How it fails most often, silence left aside.
+    fn main_failure(&self) -> Option<FailureKind> {
+        let spoken = self.failures.iter().filter(|(kind, _)| **kind != FailureKind::NoAnswer);
+        spoken.max_by_key(|(_, count)| **count).map(|(kind, _)| *kind)
+    }
+
     fn judge(&self) -> Judgement {
-        let part = |count: u32| f64::from(count) / f64::from(self.reads.max(1));
         let broken = self.broken();
-        let collide = part(broken) >= COLLIDING && self.forms.len() > 1;
+        let odd = self.answers.values().filter(|count| **count < NO_CHANCE).count();
+        let collide = f64::from(broken) / f64::from(self.reads.max(1)) >= COLLIDING && self.forms.len() > 1;
+        let beside = self.noisy > 0 || self.followed > 0 || self.copies > 0 || self.second_answers > 0;
         if self.lost {
             Judgement::Interrupted
         } else if self.silences() == self.reads {
             Judgement::NoAnswer
-        } else if self.answers.len() > 1 || collide || part(self.followed) >= FOLLOWED {
+        } else if self.voices() > 1 || self.second_answers >= NO_CHANCE {
             Judgement::Doubled
-        } else if broken > 0 || self.noisy > 0 || self.followed > 0 {
+        } else if self.copies >= NO_CHANCE {
+            Judgement::Twice
+        } else if self.answers.is_empty() && broken > NO_CHANCE && self.forms.len() == 1 {
+            Judgement::SameErrors
+        } else if self.answers.is_empty() && self.main_failure() == Some(FailureKind::Garbage) {
+            Judgement::Unreadable
+        } else if collide || self.voices() == 0 && odd > 1 {
+            Judgement::DoubledOrNoise
+        } else if broken > 0 || self.answers.len() > 1 || beside {
             Judgement::Noise
         } else if self.silences() > 0 {
             Judgement::Lossy
@@ -243,7 +329,10 @@ impl ConsistencyTest {
             different_answers: self.answers.len(),
             failures: self.failures.clone(),
             different_failures: self.forms.len(),
+            copies: self.copies,
+            second_answers: self.second_answers,
             followed: self.followed,
+            late: self.late,
             noisy: self.noisy,
             times: self.times.times(),
             judgement: self.judge(),
@@ -262,11 +351,16 @@ impl ConsistencyTest {
         if self.forms.len() > 1 {
             parts.push(format!("broken in {} different ways", self.forms.len()));
         }
-        if self.followed > 0 {
-            parts.push(format!("{} followed by more bytes", self.followed));
-        }
-        if self.noisy > 0 {
-            parts.push(format!("{} with stray bytes", self.noisy));
+        for (count, what) in [
+            (self.copies, "came twice"),
+            (self.second_answers, "followed by another answer"),
+            (self.followed, "followed by more bytes"),
+            (self.late, "came too late"),
+            (self.noisy, "with stray bytes"),
+        ] {
+            if count > 0 {
+                parts.push(format!("{count} {what}"));
+            }
         }
         parts.join("; ")
     }

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::occurrences::Occurrences;
+use super::surplus::Surplus;
 use crate::bus::{Frame, Target};
 use crate::protocol::{LineSettings, Protocol};
 
@@ -17,13 +19,19 @@ pub struct LineFacts {
     pub echoes: u64,
     /// Answers with stray bytes around them.
     pub noisy: u64,
-    /// Times that bytes came for which nobody had asked, and how many bytes.
-    pub unasked: u64,
+    /// Bytes for which nobody had asked.
     pub unasked_bytes: u64,
-    /// Of these, those that came after a request had been given up: perhaps its answer.
-    pub unasked_after_silence: u64,
+    /// Times that stray bytes or pieces came for which nobody had asked.
+    pub stray: Occurrences,
+    /// Whole answers that came after a request had been given up, or beside another answer.
+    pub late: Occurrences,
+    /// Answers that came a second time, byte for byte.
+    pub copies: Occurrences,
+    /// Times that only 00 and FF came where nobody ever answered, and from which addresses.
+    pub stray_answers: Occurrences,
+    stray_at: Addresses,
     /// How often the line was lost.
-    pub losses: u64,
+    pub losses: Occurrences,
     /// Questions to addresses that never answered.
     pub silent_questions: u64,
     /// Addresses that never answered, by protocol.
@@ -59,6 +67,11 @@ impl Addresses {
         }
     }
 
+    fn contains(self, address: u8) -> bool {
+        let (half, bit) = Self::parts(address);
+        self.0.get(half).is_some_and(|bits| bits & bit != 0)
+    }
+
     fn without(self, other: Self) -> Self {
         let ([a, b], [c, d]) = (self.0, other.0);
         Self([a & !c, b & !d])
@@ -75,15 +88,53 @@ impl Addresses {
 }
 
 impl LineFacts {
-    pub(super) fn take(&mut self, frame: &Frame) {
+    pub(super) fn take(&mut self, frame: &Frame, around: Surplus, is_ordinary: bool) {
         self.echoes = self.echoes.saturating_add(u64::from(frame.echo));
-        self.noisy = self.noisy.saturating_add(u64::from(frame.noise));
+        self.noisy = self.noisy.saturating_add(u64::from(around == Surplus::Stray));
+        if is_ordinary {
+            let all = [&mut self.stray, &mut self.late, &mut self.copies, &mut self.stray_answers, &mut self.losses];
+            all.into_iter().for_each(Occurrences::follow);
+        }
+        if around.is_whole() {
+            self.surplus(frame, around);
+        }
     }
 
-    pub(super) fn take_unasked(&mut self, frame: &Frame, after_silence: bool) {
-        self.unasked = self.unasked.saturating_add(1);
+    /// Bytes that belong to no request; `after_silence` if the last one was given up.
+    pub(super) fn take_unasked(&mut self, frame: &Frame, what: Surplus, after_silence: bool) {
         self.unasked_bytes = self.unasked_bytes.saturating_add(frame.bytes.len() as u64);
-        self.unasked_after_silence = self.unasked_after_silence.saturating_add(u64::from(after_silence));
+        let what = match what {
+            // What is not noise is the rest of the answer that was waited for, or that answer.
+            Surplus::Copy | Surplus::Piece if after_silence => Surplus::Other,
+            what => what,
+        };
+        self.surplus(frame, what);
+    }
+
+    fn surplus(&mut self, frame: &Frame, what: Surplus) {
+        match what {
+            Surplus::Nothing => {}
+            Surplus::Copy => self.copies.add(frame.at),
+            Surplus::Other => self.late.add(frame.at),
+            Surplus::Piece | Surplus::Stray => self.stray.add(frame.at),
+        }
+    }
+
+    /// Only 00 and FF came where nobody ever answered: nobody is heard.
+    pub(super) fn stray_from(&mut self, frame: &Frame, target: &Target) {
+        self.stray_answers.add(frame.at);
+        self.stray_at.insert(target.address);
+        self.silent_at(target);
+    }
+
+    /// From how many addresses only 00 and FF came.
+    pub fn stray_addresses(&self) -> u32 {
+        self.stray_at.len()
+    }
+
+    /// Whether anything came from this address, in any protocol, at any speed.
+    pub fn is_heard(&self, address: u8) -> bool {
+        self.heard.contains(address)
     }
 
     pub(super) fn silent_at(&mut self, target: &Target) {

@@ -9,12 +9,15 @@ mod consistency;
 mod findings;
 mod histogram;
 mod line;
+mod occurrences;
 mod outcome;
 mod rates;
 mod report;
 mod station;
+mod surplus;
 mod texts;
 mod timeout;
+mod watchdog;
 
 #[cfg(test)]
 mod tests;
@@ -28,10 +31,12 @@ pub use consistency::{Consistency, ConsistencyTest, DEFAULT_READS, Judgement, RE
 pub use findings::{Finding, Severity};
 pub use histogram::{Bar, Histogram, Times};
 pub use line::LineFacts;
+pub use occurrences::Occurrences;
 pub use outcome::{FailureKind, Outcome, RefusalKind};
 pub use rates::{Rates, SLOT_SECONDS, Slot};
 pub use report::{Adapter, LineReport, ModuleReport, Report};
 pub use station::Station;
+use surplus::{Heard, Surplus};
 pub use texts::Symptom;
 pub use timeout::{SuggestedTimeout, suggest};
 
@@ -46,6 +51,8 @@ pub struct Diagnosis {
     tests: BTreeMap<Target, Consistency>,
     /// The last request and whether it has failed; a broadcast is none.
     last: Option<Request>,
+    /// The last answer.
+    heard: Heard,
     adapter: Option<LatencyTimer>,
     problem: Option<LineProblem>,
 }
@@ -110,7 +117,7 @@ impl Diagnosis {
 
     /// Nothing passed the line yet, and nothing else is known of it.
     pub fn is_empty(&self) -> bool {
-        self.line.requests == 0 && self.line.unasked == 0 && self.problem.is_none()
+        self.line.requests == 0 && self.line.unasked_bytes == 0 && self.problem.is_none()
     }
 
     fn sent(&mut self, frame: &Frame) {
@@ -134,22 +141,32 @@ impl Diagnosis {
         match outcome {
             Outcome::Unasked => {
                 let after_silence = self.last.as_ref().is_some_and(|last| last.failed);
-                return self.line.take_unasked(frame, after_silence);
+                let what = self.heard.behind(frame);
+                return self.line.take_unasked(frame, what, after_silence);
             }
-            Outcome::LineLost => return self.line.losses = self.line.losses.saturating_add(1),
+            Outcome::LineLost => return self.line.losses.add(frame.at),
             _ => {}
         }
         let Some(target) = target_of(frame) else { return };
+        let mut request = Vec::new();
         if let Some(last) = self.last.as_mut().filter(|last| last.target == target) {
             last.failed = matches!(outcome, Outcome::Failed(_));
+            request.clone_from(&last.bytes);
         }
-        self.line.take(frame);
-        if outcome == Outcome::Failed(FailureKind::NoAnswer) && !self.stations.contains_key(&target) {
-            return self.line.silent_at(&target);
+        let is_ordinary = !matches!(outcome, Outcome::Failed(_));
+        let around = if is_ordinary { Surplus::around(frame, Some(&request)) } else { Surplus::Nothing };
+        self.heard = if is_ordinary { Heard::of(frame, Some(&request)) } else { Heard::default() };
+        self.line.take(frame, around, is_ordinary);
+        if !self.stations.contains_key(&target) {
+            match outcome {
+                Outcome::Failed(FailureKind::NoAnswer) => return self.line.silent_at(&target),
+                Outcome::Failed(FailureKind::StrayBytes) => return self.line.stray_from(frame, &target),
+                _ => {}
+            }
         }
         self.line.heard_at(&target);
         if let Some(station) = self.station_for(target) {
-            station.take(frame, outcome);
+            station.take(frame, outcome, &request, around);
         }
     }
 

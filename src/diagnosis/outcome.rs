@@ -3,6 +3,10 @@
 use serde::Serialize;
 
 use crate::bus::{Frame, UNASKED, Verdict};
+use crate::protocol::Protocol;
+
+#[cfg(test)]
+mod tests;
 
 /// How an exchange failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -21,10 +25,12 @@ pub enum FailureKind {
     StrayBytes,
     /// Bytes that make no sense at all.
     Garbage,
+    /// What is said of it is not known here: no cause is told from it.
+    Other,
 }
 
 impl FailureKind {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::NoAnswer,
         Self::CutShort,
         Self::WrongCheck,
@@ -32,6 +38,7 @@ impl FailureKind {
         Self::Collision,
         Self::StrayBytes,
         Self::Garbage,
+        Self::Other,
     ];
 
     /// For a person.
@@ -44,6 +51,7 @@ impl FailureKind {
             Self::Collision => "collision",
             Self::StrayBytes => "only stray bytes",
             Self::Garbage => "not readable",
+            Self::Other => "not usable",
         }
     }
 
@@ -52,23 +60,55 @@ impl FailureKind {
         Self::ALL.iter().position(|kind| *kind == self).unwrap_or_default()
     }
 
-    /// What the reason of a broken answer means; the reasons are those of the judge and of the protocols.
-    pub(super) fn of_reason(reason: &str) -> Self {
-        let has = |words: &[&str]| words.iter().any(|word| reason.contains(word));
-        if has(&["cut short", "too few", "bytes instead of", "too short"]) {
+    /// What a broken answer of the module at `address` is, whose reason is one of the judge's or of the protocols'. Bytes
+    /// in which the module does not even begin to speak Modbus have no wrong CRC: they are no frame.
+    pub(super) fn of_broken(reason: &str, bytes: &[u8], protocol: Protocol, address: Option<u8>) -> Self {
+        let kind = Self::of_reason(reason);
+        let begins = |pair: &[u8]| matches!(pair, [from, function] if Some(*from) == address && function & 0x7F != 0);
+        let is_frame = !protocol.is_modbus() || bytes.windows(2).any(begins);
+        if kind == Self::WrongCheck && !is_frame { Self::Garbage } else { kind }
+    }
+
+    /// What the reason means. Each is known by its beginning or its whole form, so that no other is taken for it.
+    fn of_reason(reason: &str) -> Self {
+        if let Some((found, expected)) = lengths(reason) {
+            return if found < expected { Self::CutShort } else { Self::Garbage };
+        }
+        let begins = |starts: &[&str]| starts.iter().any(|start| reason.starts_with(start));
+        let too_few = reason.starts_with("the answer has ") && reason.ends_with("too few for a Modbus frame");
+        if too_few || begins(&["the answer was cut short", "the answer is too short"]) {
             Self::CutShort
-        } else if has(&["wrong checksum", "wrong CRC"]) {
+        } else if begins(&["wrong checksum: ", "wrong CRC: "]) {
             Self::WrongCheck
-        } else if has(&["from address"]) {
+        } else if begins(&["the answer comes from address "]) || reason.contains(" does not come from address ") {
             Self::WrongAddress
-        } else if has(&["differs from what was sent"]) {
+        } else if begins(&["what came back differs from what was sent"]) {
             Self::Collision
-        } else if has(&["only stray bytes"]) {
+        } else if begins(&["only stray bytes came back"]) {
             Self::StrayBytes
-        } else {
+        } else if begins(&GARBAGE) {
             Self::Garbage
+        } else {
+            Self::Other
         }
     }
+}
+
+/// How the reasons begin of what cannot be an answer.
+const GARBAGE: [&str; 7] = [
+    "no DCON answer is in it",
+    "the answer starts with 0x",
+    "the answer contains 0x",
+    "the answer is for function 0x",
+    "the answer is empty",
+    "unexpected bytes",
+    "the line does not stop sending",
+];
+
+/// The two numbers of "the answer has 7 bytes instead of 9".
+fn lengths(reason: &str) -> Option<(usize, usize)> {
+    let (found, expected) = reason.strip_prefix("the answer has ")?.split_once(" bytes instead of ")?;
+    Some((found.parse().ok()?, expected.parse().ok()?))
 }
 
 /// Why a module said no.
@@ -104,7 +144,9 @@ impl Outcome {
             Verdict::Silent => Self::Failed(FailureKind::NoAnswer),
             Verdict::Broken(reason) if reason == UNASKED => Self::Unasked,
             Verdict::Broken(reason) if reason.starts_with("the line was lost") => Self::LineLost,
-            Verdict::Broken(reason) => Self::Failed(FailureKind::of_reason(reason)),
+            Verdict::Broken(reason) => {
+                Self::Failed(FailureKind::of_broken(reason, &frame.bytes, frame.protocol, frame.address))
+            }
         })
     }
 }
@@ -112,32 +154,9 @@ impl Outcome {
 fn refusal(frame: &Frame) -> RefusalKind {
     if frame.protocol.is_modbus() {
         // Address, function, code and CRC stand at the end, whatever stands before them; over TCP without a CRC.
-        let end = if frame.protocol == crate::protocol::Protocol::ModbusTcp { 1 } else { 3 };
+        let end = if frame.protocol == Protocol::ModbusTcp { 1 } else { 3 };
         let code = frame.bytes.len().checked_sub(end).and_then(|at| frame.bytes.get(at));
         return RefusalKind::Exception(code.copied().unwrap_or_default());
     }
     if frame.bytes.contains(&b'?') { RefusalKind::Dcon } else { RefusalKind::Ignored }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_reasons_of_judge_and_protocols_are_told_apart() {
-        for (reason, kind) in [
-            ("the answer was cut short", FailureKind::CutShort),
-            ("the answer has 3 bytes, too few for a Modbus frame", FailureKind::CutShort),
-            ("the answer is too short to carry a checksum", FailureKind::CutShort),
-            ("wrong CRC: 0101 was received, CDFA is right", FailureKind::WrongCheck),
-            ("wrong checksum: 00 was received, B7 is right", FailureKind::WrongCheck),
-            ("the answer comes from address 2 instead of 1", FailureKind::WrongAddress),
-            ("!02PIR130 does not come from address 01h", FailureKind::WrongAddress),
-            ("what came back differs from what was sent: two stations sent at once", FailureKind::Collision),
-            ("only stray bytes came back: line noise", FailureKind::StrayBytes),
-            ("no DCON answer is in it", FailureKind::Garbage),
-        ] {
-            assert_eq!(FailureKind::of_reason(reason), kind, "{reason}");
-        }
-    }
 }

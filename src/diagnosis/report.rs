@@ -19,6 +19,9 @@ use crate::bus::Target;
 /// Bars of a histogram at most.
 pub const MOST_BARS: usize = 16;
 
+/// A place on the line and what is counted of it.
+type Place<'a> = (&'a Target, &'a Station);
+
 /// Everything that is known of a line and its modules at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -87,20 +90,29 @@ impl Diagnosis {
     /// What is known `at` this moment of the line called `line`; `name` tells what people call a module.
     pub fn report(&self, at: Timestamp, line: &str, name: impl Fn(&Target) -> Option<String>) -> Report {
         let program = format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION"));
-        let modules: Vec<ModuleReport> = self
-            .stations()
-            .filter(|(target, station)| station.is_heard() || !self.answers_elsewhere(target))
-            .map(|(target, station)| self.module_report(target, station, name(target).unwrap_or_default()))
-            .collect();
-        Report { made_at: at, program, line: self.line_report(line), modules }
+        let (heard, mut unread) = self.places();
+        // One is told as a module is; several are told together.
+        let first = unread.first().map(|(target, _)| target.address);
+        let several = unread.iter().any(|(target, _)| Some(target.address) != first);
+        let single = if several { Vec::new() } else { std::mem::take(&mut unread) };
+        let shown = heard.into_iter().chain(single);
+        let module = |(target, station)| self.module_report(target, station, at, name(target).unwrap_or_default());
+        let mut modules: Vec<ModuleReport> = shown.map(module).collect();
+        modules.sort_by_key(|module| module.target);
+        Report { made_at: at, program, line: self.line_report(line, at, &unread), modules }
     }
 
-    /// Whether the address of `target` answered at another speed or in another protocol.
-    fn answers_elsewhere(&self, target: &Target) -> bool {
-        self.stations().any(|(other, station)| other.address == target.address && station.is_heard())
+    /// Those that were heard or tested, and those from which only unreadable bytes came; without places whose address
+    /// answers at another speed or in another protocol, where what cannot be read says nothing.
+    fn places(&self) -> (Vec<Place<'_>>, Vec<Place<'_>>) {
+        let answers = |target: &Target| {
+            self.stations().any(|(other, station)| other.address == target.address && station.is_heard())
+        };
+        let shown = self.stations().filter(|(target, station)| station.is_heard() || !answers(target));
+        shown.partition(|(target, station)| station.is_heard() || self.test(target).is_some())
     }
 
-    fn line_report(&self, name: &str) -> LineReport {
+    fn line_report(&self, name: &str, at: Timestamp, unread: &[Place<'_>]) -> LineReport {
         let facts = self.line();
         let heard = || self.stations().map(|(_, station)| station).filter(|station| station.is_heard());
         let mut times = Histogram::default();
@@ -108,7 +120,7 @@ impl Diagnosis {
         let lost = heard().map(|station| station.failures(FailureKind::NoAnswer)).sum();
         LineReport {
             name: name.to_owned(),
-            findings: findings::of_line(self),
+            findings: findings::of_line(self, at, unread),
             requests: facts.requests,
             exchanges: heard().map(Station::asked).sum(),
             failed: heard().map(Station::all_failures).sum(),
@@ -117,7 +129,7 @@ impl Diagnosis {
             echoes: facts.echoes,
             noisy_answers: facts.noisy,
             unasked_bytes: facts.unasked_bytes,
-            losses: facts.losses,
+            losses: facts.losses.count,
             silent_addresses: facts.silent_addresses(),
             adapter: self.adapter().map(|timer| Adapter {
                 port: timer.port.clone(),
@@ -128,13 +140,18 @@ impl Diagnosis {
         }
     }
 
-    fn module_report(&self, target: &Target, station: &Station, name: String) -> ModuleReport {
+    fn module_report(&self, target: &Target, station: &Station, at: Timestamp, name: String) -> ModuleReport {
         let test = self.test(target);
+        let findings = if station.is_heard() {
+            findings::of_module(target, station, test, at)
+        } else {
+            findings::of_unread(target, station, test)
+        };
         let counted = FailureKind::ALL.map(|kind| (kind, station.failures(kind)));
         ModuleReport {
             target: *target,
             name,
-            findings: findings::of_station(target, station, test, false),
+            findings,
             exchanges: station.asked(),
             answers: station.answers,
             refusals: station.refused(),
@@ -142,7 +159,7 @@ impl Diagnosis {
             error_rate: station.is_heard().then(|| station.error_rate()),
             repeats: station.repeats,
             echoes: station.echoes,
-            noisy_answers: station.noisy,
+            noisy_answers: station.noisy.count,
             answer_time: station.times.times(),
             histogram: station.times.bars(MOST_BARS),
             rates: Rates::slots(&station.rates).collect(),

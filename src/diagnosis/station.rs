@@ -1,69 +1,104 @@
 //! What is counted of one module.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Duration;
 
 use super::histogram::Histogram;
+use super::occurrences::Occurrences;
 use super::outcome::{FailureKind, Outcome, RefusalKind};
 use super::rates::Rates;
+use super::surplus::Surplus;
+use super::watchdog::Watchdog;
 use crate::bus::Frame;
 use crate::protocol::Protocol;
 
-/// Different broken answers that are told apart; more are as telling as these.
+/// Requests whose broken answers are compared; more are as telling as these.
 const MOST_FORMS: usize = 32;
+
+/// Broken answers like the one before from which on they are no chance.
+const ALIKE: u64 = 2;
 
 /// Counts of one module, or of an address from which bytes came that cannot be read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Station {
     pub answers: u64,
-    pub refusals: BTreeMap<RefusalKind, u64>,
-    failures: [u64; FailureKind::ALL.len()],
+    pub refusals: BTreeMap<RefusalKind, Occurrences>,
+    failures: [Occurrences; FailureKind::ALL.len()],
     /// Requests that were sent again at once after a failure.
     pub repeats: u64,
     /// Answers behind the echo of their request.
     pub echoes: u64,
     /// Answers with stray bytes around them.
-    pub noisy: u64,
+    pub noisy: Occurrences,
     /// Silences since it answered last.
     pub silent_now: u64,
     pub times: Histogram,
     pub rates: Rates,
-    /// Fingerprints of broken answers.
-    forms: BTreeSet<u64>,
+    /// The fingerprint of the last broken answer to each request.
+    forms: BTreeMap<u64, u64>,
+    /// Broken answers that were like the last one to the same request, and those that were not.
+    alike: u64,
+    changed: u64,
     /// Broken answers with bytes.
     broken: u64,
+    watchdog: Watchdog,
 }
 
 impl Station {
-    pub(super) fn take(&mut self, frame: &Frame, outcome: Outcome) {
+    /// Takes in what came back on `request`, and what was around it.
+    pub(super) fn take(&mut self, frame: &Frame, outcome: Outcome, request: &[u8], around: Surplus) {
         match outcome {
-            Outcome::Answer => self.answers = self.answers.saturating_add(1),
-            Outcome::Refusal(kind) => count(self.refusals.entry(kind).or_default()),
-            Outcome::Failed(kind) => self.failed(frame, kind),
+            Outcome::Answer => self.answered(request, frame, around),
+            Outcome::Refusal(kind) => {
+                if kind == RefusalKind::Ignored {
+                    self.watchdog.ignored(request);
+                }
+                self.refusals.entry(kind).or_default().add(frame.at);
+            }
+            Outcome::Failed(kind) => self.failed(frame, kind, request),
             Outcome::Unasked | Outcome::LineLost => return,
         }
         let failed = matches!(outcome, Outcome::Failed(_));
         self.rates.add(frame.at, failed);
         self.echoes = self.echoes.saturating_add(u64::from(frame.echo));
-        self.noisy = self.noisy.saturating_add(u64::from(frame.noise && !failed));
         if !failed {
             self.silent_now = 0;
             self.times.add(answer_time(frame));
         }
     }
 
-    fn failed(&mut self, frame: &Frame, kind: FailureKind) {
+    fn answered(&mut self, request: &[u8], frame: &Frame, around: Surplus) {
+        count(&mut self.answers);
+        self.failures.iter_mut().for_each(Occurrences::follow);
+        self.refusals.values_mut().for_each(Occurrences::follow);
+        self.noisy.follow();
+        if around == Surplus::Stray {
+            self.noisy.add(frame.at);
+        }
+        self.watchdog.answered(request, frame);
+    }
+
+    fn failed(&mut self, frame: &Frame, kind: FailureKind, request: &[u8]) {
         if let Some(failures) = self.failures.get_mut(kind.index()) {
-            count(failures);
+            failures.add(frame.at);
         }
         if kind == FailureKind::NoAnswer {
             count(&mut self.silent_now);
         } else {
             count(&mut self.broken);
-            if self.forms.len() < MOST_FORMS {
-                self.forms.insert(fingerprint(&frame.bytes));
-            }
+            self.compare(fingerprint(request), fingerprint(&frame.bytes));
+        }
+    }
+
+    fn compare(&mut self, request: u64, answer: u64) {
+        if self.forms.len() >= MOST_FORMS && !self.forms.contains_key(&request) {
+            return;
+        }
+        match self.forms.insert(request, answer) {
+            Some(before) if before == answer => count(&mut self.alike),
+            Some(_) => count(&mut self.changed),
+            None => {}
         }
     }
 
@@ -78,15 +113,31 @@ impl Station {
     }
 
     pub fn refused(&self) -> u64 {
-        self.refusals.values().sum()
+        self.refusals.values().map(|refusals| refusals.count).sum()
     }
 
     pub fn failures(&self, kind: FailureKind) -> u64 {
+        self.failure(kind).count
+    }
+
+    /// The same with the time of the last one.
+    pub fn failure(&self, kind: FailureKind) -> Occurrences {
         self.failures.get(kind.index()).copied().unwrap_or_default()
     }
 
     pub fn all_failures(&self) -> u64 {
-        self.failures.iter().sum()
+        self.failures.iter().map(|failures| failures.count).sum()
+    }
+
+    /// How it fails most often, silence left aside.
+    pub fn main_failure(&self) -> Option<FailureKind> {
+        let spoken = FailureKind::ALL.into_iter().filter(|kind| *kind != FailureKind::NoAnswer);
+        spoken.max_by_key(|kind| self.failures(*kind)).filter(|kind| self.failures(*kind) > 0)
+    }
+
+    /// Whether the host watchdog has tripped, as far as is known, and was not cleared since.
+    pub fn is_watchdog_tripped(&self) -> bool {
+        self.watchdog.is_tripped()
     }
 
     /// Exchanges that came to an end, good or bad.
@@ -99,9 +150,9 @@ impl Station {
         self.all_failures() as f64 / self.asked().max(1) as f64
     }
 
-    /// How many different forms broken answers had.
-    pub fn forms(&self) -> usize {
-        self.forms.len()
+    /// Whether the same request draws the same broken answer again and again, which is no chance.
+    pub fn breaks_alike(&self) -> bool {
+        self.alike >= ALIKE && self.alike > self.changed
     }
 
     pub fn broken(&self) -> u64 {

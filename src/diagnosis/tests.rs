@@ -5,8 +5,12 @@ use std::time::Duration;
 use jiff::{SignedDuration, Timestamp};
 
 use super::*;
-use crate::bus::{ProblemKind, RawRequest, UNASKED, Verdict};
-use crate::protocol::{Failure, modbus};
+use crate::bus::{NoPort, ProblemKind, UNASKED, Verdict, WithoutPort};
+use crate::protocol::modbus;
+
+mod earlier;
+mod identical_reads;
+mod unread;
 
 /// Plays a line: frames come a tenth of a second apart.
 #[derive(Default)]
@@ -66,12 +70,23 @@ impl Played {
         (0..count).for_each(|_| self.exchange(target, b"answer", Verdict::Answer));
     }
 
+    fn unasked(&mut self, target: Target, bytes: &[u8]) {
+        let frame = self.frame(target, Direction::Received, bytes, broken(UNASKED));
+        self.diagnosis.take(&frame);
+    }
+
     fn silent(&mut self, target: Target) {
         self.exchange(target, &[], Verdict::Silent);
     }
 
     fn report(&self) -> Report {
-        self.diagnosis.report(Timestamp::UNIX_EPOCH, "COM3", |_| None)
+        self.report_after(0)
+    }
+
+    /// So many minutes after the last frame.
+    fn report_after(&self, minutes: i64) -> Report {
+        let now = Timestamp::UNIX_EPOCH + SignedDuration::from_millis(self.frames * 100);
+        self.diagnosis.report(now + SignedDuration::from_mins(minutes), "COM3", |_| None)
     }
 
     #[track_caller]
@@ -136,6 +151,27 @@ fn nothing_at_one_address_that_was_asked_again() {
 }
 
 #[test]
+fn each_protocol_in_which_a_silent_address_was_asked_counts_its_first_question() {
+    let mut line = Played::default();
+    line.good(at(1), 20);
+    for target in [at(2), dcon_at(2)] {
+        (0..3).for_each(|_| line.silent(target));
+    }
+    assert_eq!(line.found(Symptom::SilentAddress).evidence, "address 2 (02h) was asked 6 times and never answered");
+}
+
+#[test]
+fn an_address_that_answers_in_another_protocol_is_not_silent() {
+    let mut line = Played::default();
+    (0..3).for_each(|_| line.silent(dcon_at(1)));
+    assert!(line.symptoms().contains(&Symptom::SilentAddress));
+    line.good(at(1), 1);
+    assert!(line.symptoms().is_empty(), "{:?}", line.symptoms());
+    (0..3).for_each(|_| line.silent(dcon_at(1)));
+    assert!(line.symptoms().is_empty(), "nor if it is asked again");
+}
+
+#[test]
 fn garbage_where_nothing_was_ever_read() {
     let mut line = Played::default();
     line.exchange(at(5), b"\x80\xF0\x1C", broken("no DCON answer is in it"));
@@ -160,12 +196,56 @@ fn stray_bytes_around_good_answers() {
 fn bytes_that_nobody_asked_for_are_noise_and_after_silence_a_late_answer() {
     let mut line = Played::default();
     line.good(at(1), 10);
-    let stray = line.frame(at(1), Direction::Received, &[0xFF; 3], broken(UNASKED));
-    line.diagnosis.take(&stray);
+    line.unasked(at(1), &[0xFF; 3]);
     assert!(line.found(Symptom::Noise).evidence.contains("(3 in all)"));
     line.silent(at(1));
-    line.diagnosis.take(&stray);
-    assert_eq!(line.found(Symptom::Late).severity, Severity::Warning);
+    line.unasked(at(1), &[0xFF; 3]);
+    assert!(!line.symptoms().contains(&Symptom::Late), "00 and FF are no answer");
+    line.silent(at(1));
+    line.unasked(at(1), &modbus::with_crc(&[1, 3, 2, 0, 7]));
+    let late = line.found(Symptom::Late);
+    assert_eq!(late.severity, Severity::Warning);
+    assert!(late.cause.contains("virtual machine") && late.next_step.contains("latency timer"), "{late:?}");
+}
+
+#[test]
+fn answers_that_come_twice_are_no_noise() {
+    let answer = modbus::with_crc(&[1, 3, 2, 0, 7]);
+    let mut line = Played::default();
+    for _ in 0..20 {
+        line.exchange(at(1), &answer, Verdict::Answer);
+        line.unasked(at(1), &answer);
+    }
+    assert_eq!(line.symptoms(), [Symptom::Twice]);
+    let twice = line.found(Symptom::Twice);
+    assert!(twice.evidence.starts_with("20 answers came a second time"), "{twice:?}");
+    assert!(twice.cause.contains("repeater") && twice.next_step.contains("latency timer"), "{twice:?}");
+    // Both copies in one piece.
+    let mut line = Played::default();
+    let both = answer.repeat(2);
+    (0..20).for_each(|_| line.exchange_with(at(1), &both, Verdict::Answer, |frame| frame.noise = true));
+    assert_eq!(line.symptoms(), [Symptom::Twice]);
+}
+
+#[test]
+fn a_second_copy_in_two_pieces_is_one() {
+    let answer = modbus::with_crc(&[1, 3, 2, 0, 7]);
+    let begun = [&answer[..], &answer[..1]].concat();
+    let mut line = Played::default();
+    for _ in 0..20 {
+        line.exchange_with(at(1), &begun, Verdict::Answer, |frame| frame.noise = true);
+        line.unasked(at(1), &answer[1..]);
+    }
+    assert_eq!(line.symptoms(), [Symptom::Twice]);
+}
+
+#[test]
+fn another_whole_answer_beside_the_right_one_is_late() {
+    let mut line = Played::default();
+    let both = b"!02PIR130\r!01PIR234\r";
+    line.good(dcon_at(1), 5);
+    line.exchange_with(dcon_at(1), both, Verdict::Answer, |frame| frame.noise = true);
+    assert_eq!(line.symptoms(), [Symptom::Late]);
 }
 
 #[test]
@@ -269,8 +349,29 @@ fn a_line_that_cannot_be_opened_tells_the_cure() {
     }
     if cfg!(target_os = "linux") {
         assert!(Symptom::NoPermission.next_step().contains("usermod -a -G dialout"));
-        assert!(Symptom::PortVanished.next_step().contains("brltty"));
     }
+}
+
+#[test]
+fn an_adapter_without_a_port_is_told_as_the_bus_tells_it() {
+    let told = |reason| WithoutPort { maker: "WCH", vendor: 0x1A86, product: 0x7523, reason }.to_string();
+    let (cause, step) = told(NoPort::Brltty).split_once(" – ").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    if cfg!(target_os = "linux") {
+        let likely = Symptom::PortVanished.next_step();
+        assert!(
+            likely.contains("if brltty is named there: `sudo apt remove brltty`") && likely.ends_with(&step),
+            "{likely}"
+        );
+    }
+    let missing =
+        |hints| LineProblem { line: "COM3".to_owned(), kind: ProblemKind::NoSuchPort { present: Vec::new(), hints } };
+    let mut line = Played::default();
+    line.diagnosis.note_problem(missing(vec![told(NoPort::Brltty)]));
+    let finding = line.found(Symptom::PortVanished);
+    assert_eq!((finding.cause, finding.next_step), (cause, step));
+    line.diagnosis.note_problem(missing(vec![told(NoPort::Taken)]));
+    let finding = line.found(Symptom::PortVanished);
+    assert!(finding.next_step.starts_with("End that program") && !finding.next_step.contains("brltty"), "{finding:?}");
 }
 
 #[test]
@@ -330,82 +431,4 @@ fn the_report_is_text_and_json() {
     let module = &json["modules"][0];
     assert_eq!((&module["address"], &module["failures"]["no_answer"]), (&1.into(), &1.into()));
     assert_eq!(module["findings"][0]["symptom"], "lost");
-}
-
-mod identical_reads {
-    use super::*;
-
-    fn judged(results: Vec<Result<Vec<u8>, Failure>>) -> Consistency {
-        let mut test = ConsistencyTest::new(at(1), 20);
-        results.iter().for_each(|result| test.answered(result));
-        test.outcome()
-    }
-
-    fn garbled(bytes: &[u8]) -> Result<Vec<u8>, Failure> {
-        Err(Failure::Garbled { reason: "wrong CRC: 0000 was received".to_owned(), bytes: bytes.to_vec() })
-    }
-
-    #[test]
-    fn the_same_answer_each_time_is_fine() {
-        let test = judged(vec![Ok(vec![1, 2]); 20]);
-        assert_eq!((test.judgement, test.said.as_str()), (Judgement::Fine, "20 of 20 reads answered, all the same"));
-    }
-
-    #[test]
-    fn different_answers_are_two_modules() {
-        let answers = (0..20).map(|index| Ok(vec![index % 2])).collect();
-        assert_eq!(judged(answers).judgement, Judgement::Doubled);
-    }
-
-    #[test]
-    fn collisions_that_change_are_two_modules_and_a_few_are_noise() {
-        let mixed = |every: u8| (0..20).map(|i| if i % every == 0 { garbled(&[i]) } else { Ok(vec![1]) }).collect();
-        assert_eq!(judged(mixed(2)).judgement, Judgement::Doubled);
-        let few = judged(mixed(10));
-        assert_eq!((few.judgement, few.different_failures), (Judgement::Noise, 2));
-    }
-
-    #[test]
-    fn silence_is_loss_or_absence() {
-        let some = (0..20).map(|i| if i == 3 { Err(Failure::Silent) } else { Ok(vec![1]) }).collect();
-        assert_eq!(judged(some).judgement, Judgement::Lossy);
-        let mut test = ConsistencyTest::new(at(1), 50);
-        (0..10).for_each(|_| test.answered(&Err(Failure::Silent)));
-        assert!(test.is_done(), "nobody is asked fifty times in vain");
-        assert_eq!(test.outcome().judgement, Judgement::NoAnswer);
-    }
-
-    #[test]
-    fn a_dcon_answer_with_another_address_is_another_modules() {
-        let mut test = ConsistencyTest::new(dcon_at(1), 5);
-        test.answered(&Ok(b"!02PIR234".to_vec()));
-        assert_eq!(test.outcome().failures[&FailureKind::WrongAddress], 1);
-    }
-
-    #[test]
-    fn its_own_frames_are_told_from_those_of_polls() {
-        let mut line = Played::default();
-        let mut test = ConsistencyTest::new(dcon_at(1), 5);
-        assert_eq!(test.request(), RawRequest::Dcon { text: "$01M".to_owned(), checksum: false });
-        for (request, answer) in [(&b"$01M\r"[..], &b"!01PIR234\r"[..]), (b"#01\r", b">+025.00\r")] {
-            test.take(&line.frame(dcon_at(1), Direction::Sent, request, Verdict::Request));
-            test.take(&line.frame(dcon_at(1), Direction::Received, answer, Verdict::Answer));
-        }
-        assert_eq!(test.outcome().times.unwrap().count, 1);
-    }
-
-    #[test]
-    fn the_number_of_reads_stays_within_reason() {
-        assert_eq!(ConsistencyTest::new(at(1), 0).progress(), (0, 5));
-        assert_eq!(ConsistencyTest::new(at(1), u32::MAX).progress(), (0, 1_000));
-    }
-
-    #[test]
-    fn a_bad_test_is_a_finding_of_its_module() {
-        let mut line = Played::default();
-        line.good(at(1), 10);
-        line.diagnosis.note_test(judged((0..20).map(|index| Ok(vec![index])).collect()));
-        let finding = line.found(Symptom::DoubledAddress);
-        assert!(finding.evidence.contains("20 different ones"), "{finding:?}");
-    }
 }

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::bus::{NoPort, WithoutPort};
+
 /// Something that is seen on a line, or keeps it from being opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -20,8 +22,14 @@ pub enum Symptom {
     ChangingErrors,
     /// Broken answers that are all alike.
     SameErrors,
+    /// Broken answers of which it is not known what broke them.
+    Unusable,
     /// Identical reads whose answers show more than one module.
     DoubledAddress,
+    /// Identical reads whose answers are broken in changing ways.
+    DoubledOrNoise,
+    /// Answers that come a second time, byte for byte.
+    Twice,
     /// The adapter sends back what is sent.
     Echo,
     /// It sends back something else.
@@ -64,8 +72,30 @@ impl Symptom {
     }
 
     /// What to do next.
-    pub fn next_step(self) -> &'static str {
-        self.words().2
+    pub fn next_step(self) -> String {
+        match self {
+            Self::PortVanished if cfg!(target_os = "linux") => {
+                format!("{} {}", self.words().2, without_brltty())
+            }
+            _ => self.words().2.to_owned(),
+        }
+    }
+
+    /// Title, cause and next step of what is over.
+    pub(super) fn past(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::WatchdogTripped => (
+                "The host watchdog had tripped",
+                "The module heard no Host OK in time; it was cleared since, and commands are obeyed again",
+                "Nothing has to be done; if it trips again, send Host OK more often, or set a longer watchdog timeout",
+            ),
+            Self::PortVanished => (
+                "The port had vanished",
+                "The adapter was pulled, or has a bad contact; it is back",
+                "Nothing has to be done; if it happens again, try another cable and USB port, without a hub",
+            ),
+            _ => self.words(),
+        }
     }
 
     fn words(self) -> (&'static str, &'static str, &'static str) {
@@ -109,6 +139,27 @@ impl Symptom {
                 "Program and module do not agree: DCON checksum on one side only, or the other protocol",
                 "Do a full scan, which tries both protocols and DCON with and without checksum, and use what it finds",
             ),
+            Self::Unusable => (
+                "Answers that cannot be used",
+                "They are whole, and do not fit what was asked",
+                "Look at them in the traffic; a full scan shows whether the module has another protocol or firmware than \
+                 expected",
+            ),
+            Self::DoubledOrNoise => (
+                "Two modules at one address, or noise",
+                "Broken answers that change each time come from two modules that answer at the same time, or from a line \
+                 that is disturbed",
+                "Switch off one module after the other and test again: if that ends it, give the one that was off an \
+                 address of its own. If not, put 120 Ω between D+ and D− at both ends of the line, bias it at one place \
+                 and connect the grounds",
+            ),
+            Self::Twice => (
+                "Answers come twice",
+                "A repeater, a busy adapter, a USB hub or a virtual machine doubles what it passes on, or two alike \
+                 modules have one address and answer one after the other",
+                "Connect the adapter without repeater, hub and virtual machine, and set its latency timer to 1 ms; if they \
+                 still come twice, switch off one module after the other",
+            ),
             Self::DoubledAddress => (
                 "Two modules at one address",
                 "Modules as they come, or two with the same rotary switch: they answer at the same time",
@@ -131,8 +182,10 @@ impl Symptom {
             ),
             Self::Late => (
                 "Answers come too late",
-                "The timeout is shorter than the module, the adapter or a gateway on the way takes",
-                "Set a longer timeout, and a shorter latency timer of the adapter",
+                "The timeout is shorter than the module or a gateway on the way takes; a busy adapter, a USB hub or a \
+                 virtual machine holds answers back; or two modules at one address answer one after the other",
+                "Set a longer timeout, and a latency timer of 1 ms; connect the adapter without hub and virtual machine; \
+                 the consistency test shows two modules at one address",
             ),
             Self::Stopped => (
                 "It has stopped answering",
@@ -178,8 +231,7 @@ impl Symptom {
                     "The adapter was pulled, has a bad contact, or lacks its driver"
                 },
                 if cfg!(target_os = "linux") {
-                    "Plug it in again and look at `sudo dmesg`; if brltty is named there: `sudo apt remove brltty`, or \
-                     `sudo systemctl mask brltty.path brltty-udev.service`"
+                    "Plug it in again and look at `sudo dmesg`; if brltty is named there:"
                 } else {
                     "Plug it in again at another USB port, without a hub; install the adapter's driver"
                 },
@@ -206,6 +258,18 @@ impl Symptom {
             ),
         }
     }
+}
+
+/// How brltty gives the adapter back, in the words in which the adapter without a port is told.
+fn without_brltty() -> String {
+    let told = WithoutPort { maker: "", vendor: 0, product: 0, reason: NoPort::Brltty }.to_string();
+    told.split_once(" – ").map_or_else(|| told.clone(), |(_, step)| step.to_owned())
+}
+
+/// With a capital letter.
+pub(super) fn sentence(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
 }
 
 /// The likely reason of a Modbus exception.

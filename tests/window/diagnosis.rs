@@ -72,7 +72,7 @@ fn a_bundle_for_others_is_saved_as_one_zip() {
     save_to_from(&mut window, &path);
     let zip = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
     let names: Vec<String> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
-    for name in ["README.txt", "report.txt", "traffic.csv"] {
+    for name in ["README.txt", "report.txt", "traffic.csv", "traffic.pcapng"] {
         assert!(names.iter().any(|known| known == name), "{names:?}");
     }
 }

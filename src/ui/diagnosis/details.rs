@@ -185,8 +185,12 @@ fn consistency(ui: &mut Ui, test: &Consistency) {
     let severity = match test.judgement {
         Judgement::Fine => None,
         Judgement::Interrupted => Some(Severity::Note),
-        Judgement::Noise | Judgement::Lossy => Some(Severity::Warning),
-        Judgement::Doubled | Judgement::NoAnswer => Some(Severity::Fault),
+        Judgement::Noise | Judgement::Lossy | Judgement::Twice => Some(Severity::Warning),
+        Judgement::Doubled
+        | Judgement::DoubledOrNoise
+        | Judgement::SameErrors
+        | Judgement::Unreadable
+        | Judgement::NoAnswer => Some(Severity::Fault),
     };
     let (glyph, colour) = mark(severity, palette);
     ui.horizontal(|ui| {

@@ -3,8 +3,8 @@
 use std::io;
 
 use crate::bench::Bench;
-use crate::bench::traffic::{FrameRef, append_csv, write_csv};
-use crate::diagnosis::bundle::{MOST_FRAMES, Part, TRAFFIC};
+use crate::bench::traffic::FrameRef;
+use crate::diagnosis::bundle::{Traffic, last_frames};
 use crate::ui::saving::{Contents, Step};
 
 /// Frames written at a time.
@@ -15,38 +15,34 @@ pub struct BundleFile {
     first: u64,
     next: u64,
     end: u64,
-    csv: Vec<u8>,
+    /// `None` before the first step.
+    traffic: Option<Traffic>,
 }
 
 impl BundleFile {
     pub fn new(bench: &Bench) -> Self {
         let log = bench.traffic();
-        let end = log.next_seq();
-        let first = end.saturating_sub(MOST_FRAMES).max(log.first_seq());
-        Self { first, next: first, end, csv: Vec::new() }
-    }
-
-    fn is_gathered(&self) -> bool {
-        self.next >= self.end && !self.csv.is_empty()
+        let frames = last_frames(log.first_seq()..log.next_seq());
+        Self { first: frames.start, next: frames.start, end: frames.end, traffic: None }
     }
 }
 
 impl Contents for BundleFile {
     fn step(&mut self, bench: &Bench) -> io::Result<Step> {
-        if self.is_gathered() {
-            let traffic = Part::new(TRAFFIC, std::mem::take(&mut self.csv));
-            let bytes = bench.support_bundle(vec![traffic]).to_bytes()?;
-            return Ok(Step { bytes, is_last: true });
-        }
+        let mut traffic = match self.traffic.take() {
+            Some(traffic) if self.next >= self.end => {
+                let bytes = bench.support_bundle(traffic)?.to_bytes()?;
+                return Ok(Step { bytes, is_last: true });
+            }
+            Some(traffic) => traffic,
+            None => Traffic::new(&bench.diagnosis_report().line.name)?,
+        };
         let explain =
             |frame: &FrameRef<'_>, request: Option<&FrameRef<'_>>| bench.explain_frame(frame, request).summary;
         let end = self.next.saturating_add(AT_ONCE).min(self.end);
-        if self.csv.is_empty() {
-            write_csv(bench.traffic(), self.next..end, &explain, &mut self.csv)?;
-        } else {
-            append_csv(bench.traffic(), self.next..end, &explain, &mut self.csv)?;
-        }
+        bench.traffic().add_to_bundle(self.next..end, &explain, &mut traffic)?;
         self.next = end;
+        self.traffic = Some(traffic);
         Ok(Step { bytes: Vec::new(), is_last: false })
     }
 
