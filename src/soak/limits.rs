@@ -24,8 +24,9 @@ pub const MOST_CANCEL: Duration = Duration::from_millis(1_000);
 pub const MOST_WRITE: Duration = Duration::from_secs(10);
 /// Joining the bus thread and closing the file.
 pub const MOST_QUIT: Duration = Duration::from_secs(2);
-/// The first module is heard within one poll period; a port that was gone is looked for twice a second before.
-pub const MOST_LINE_RECOVERY: Duration = Duration::from_millis(1_500);
+/// The first module is heard within one poll period; before that a port that was gone is looked for twice a second, and late
+/// answers are waited for up to 2 s.
+pub const MOST_LINE_RECOVERY: Duration = Duration::from_secs(3);
 /// A module that has just fallen silent is asked at its interval, but all silent ones together have half of the line: its turn
 /// comes within two poll periods. After late answers up to 2 s are waited for those that may still come.
 pub const MOST_MODULE_RECOVERY: Duration = Duration::from_secs(8);
