@@ -297,7 +297,8 @@ impl Speaker<'_> {
 
     /// Whether to ask once more, after so many repetitions.
     fn repeats(&self, query: &Query, failure: &Failure, repeated: u8) -> bool {
-        if query.is_write() {
+        // Somebody waits for a scan, or the line, to end.
+        if query.is_write() || self.dialogue.hurry.load(Ordering::Relaxed) {
             return false;
         }
         match failure {

@@ -89,7 +89,14 @@ const MOST_SHOWN: usize = 60;
 fn poll_with(line: &Line, truth: &Truth, all: Faults, polls: usize) -> usize {
     let name: Vec<String> = all.iter().map(|fault| fault.to_string()).collect();
     let twin = all.is_on(FaultKind::Twin);
+    let kinds: Vec<FaultKind> = all.iter().map(|fault| fault.kind).collect();
+    let before = line.sim.injected();
     line.sim.set_faults(all);
+    // What is told at first was asked before.
+    let all_struck = || {
+        let now = line.sim.injected();
+        kinds.iter().all(|kind| now.get(kind) > before.get(kind))
+    };
     let (mut seen, mut values_seen) = (0, 0);
     let mut frames: VecDeque<String> = VecDeque::new();
     line.until(|event| {
@@ -112,7 +119,7 @@ fn poll_with(line: &Line, truth: &Truth, all: Faults, polls: usize) -> usize {
                 }
             }
         }
-        (seen >= polls || matches!(event, BusEvent::LineLost { .. })).then_some(())
+        (seen >= polls && all_struck() || matches!(event, BusEvent::LineLost { .. })).then_some(())
     });
     values_seen
 }
@@ -172,6 +179,10 @@ fn a_line_that_doubles_every_answer_brings_values() {
     identify_and_watch(&line, &targets);
     let truth = learn(&line, &targets);
     line.sim.set_faults(faults(&["doubled=100%"]));
+    // What was told before this answer was asked before the fault.
+    let (id, target) = (line.bus.next_id(), targets[0]);
+    line.bus.send(BusCommand::Identify { id, target }).expect("room");
+    line.until(|event| matches!(event, BusEvent::Identified { id: of, .. } if *of == id).then_some(()));
     let mut well: Vec<Target> = Vec::new();
     line.until(|event| {
         if let BusEvent::Read { target, values, .. } = event

@@ -188,7 +188,7 @@ fn figures_between_the_cursors_are_those_of_what_the_module_was() {
     click(&mut window, Role::Button, "All");
     click(&mut window, Role::CheckBox, "Table of values");
     until(&mut window, "figures", |window| row(window, "Temperature").is_some());
-    for (key, across) in [(Key::A, 0.03), (Key::B, 0.998)] {
+    for (key, across) in [(Key::A, 0.08), (Key::B, 0.998)] {
         let place = at(&window, across, 0.3);
         move_to(&mut window, place);
         press(&mut window, key);
