@@ -13,6 +13,7 @@ use super::judge::Expected;
 use super::line::LineLost;
 use super::message::{RawRequest, Statistics};
 use super::problem::{LineProblem, ProblemKind};
+use super::resync::Name;
 use super::serial::SerialLine;
 use super::tap::{Clock, Tap};
 use super::target::{LineAddress, Patience, Target};
@@ -26,7 +27,7 @@ pub struct Memory {
     clock: Option<Clock>,
     echoes: bool,
     counts: Statistics,
-    names: HashMap<Target, Vec<u8>>,
+    names: HashMap<Target, Name>,
 }
 
 /// An open line.
@@ -35,7 +36,7 @@ pub struct Dialogue {
     pub(super) runtime: Runtime,
     counts: Statistics,
     /// What DCON modules answered when they were asked for their name.
-    pub(super) names: HashMap<Target, Vec<u8>>,
+    pub(super) names: HashMap<Target, Name>,
     /// Set by somebody who wants a scan to end at once.
     hurry: Arc<AtomicBool>,
 }

@@ -120,7 +120,7 @@ impl Dialogue {
 
     /// Asks a DCON module for its name. Without one that is known there is nothing to compare, and nothing is asked.
     fn ask_for_known_name(&mut self, target: &Target, window: Duration, alone: Alone) -> Result<(), Failure> {
-        let Some(known) = self.names.get(target).cloned() else { return Ok(()) };
+        let Some(known) = self.names.get(target).map(|name| name.known.clone()) else { return Ok(()) };
         let Link::Wire(wire) = &mut self.link else { return Ok(()) };
         let request = dcon::encode(&name_text(target.address), target.checksum);
         let from = AnswerFrom::Addresses(vec![target.address]);
@@ -170,7 +170,28 @@ impl Dialogue {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
-            self.names.insert(*target, answer.to_vec());
+            let name = self.names.entry(*target).or_insert_with(|| Name { known: answer.to_vec(), claimed: None });
+            name.hear(answer);
+        }
+    }
+}
+
+/// What a DCON module answered when it was asked for its name.
+#[derive(Debug, Clone)]
+pub struct Name {
+    known: Vec<u8>,
+    /// Another name, told once: without checksum it may be a damaged one, so only the second time it is believed.
+    claimed: Option<Vec<u8>>,
+}
+
+impl Name {
+    fn hear(&mut self, answer: &[u8]) {
+        if answer == self.known {
+            self.claimed = None;
+        } else if self.claimed.as_deref() == Some(answer) {
+            *self = Self { known: answer.to_vec(), claimed: None };
+        } else {
+            self.claimed = Some(answer.to_vec());
         }
     }
 }
