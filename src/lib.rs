@@ -31,3 +31,4 @@ pub mod sim;
 pub mod soak;
 #[cfg(feature = "window")]
 pub mod ui;
+pub mod version;

@@ -89,7 +89,7 @@ pub struct ModuleReport {
 impl Diagnosis {
     /// What is known `at` this moment of the line called `line`; `name` tells what people call a module.
     pub fn report(&self, at: Timestamp, line: &str, name: impl Fn(&Target) -> Option<String>) -> Report {
-        let program = format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION"));
+        let program = crate::version::named();
         let (heard, mut unread) = self.places();
         // One is told as a module is; several are told together.
         let first = unread.first().map(|(target, _)| target.address);
