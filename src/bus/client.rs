@@ -86,12 +86,15 @@ impl Bus {
 
     pub fn send(&self, command: BusCommand) -> Result<(), BusGone> {
         let commands = self.commands.as_ref().ok_or(BusGone::Ended)?;
-        if matches!(command, BusCommand::CancelScan | BusCommand::Open { .. } | BusCommand::Close { .. }) {
+        let hurried = matches!(command, BusCommand::CancelScan | BusCommand::Open { .. } | BusCommand::Close { .. });
+        if hurried {
             self.hurry.store(true, Ordering::Relaxed);
         }
         commands.try_send(command).map_err(|error| {
-            // Nobody will take it, and so nobody will have been in a hurry.
-            self.hurry.store(false, Ordering::Relaxed);
+            if hurried {
+                // Nobody will take it, and so nobody will have been in a hurry.
+                self.hurry.store(false, Ordering::Relaxed);
+            }
             match error {
                 TrySendError::Full(_) => BusGone::Full,
                 TrySendError::Disconnected(_) => BusGone::Ended,

@@ -188,7 +188,10 @@ impl Dialogue {
 
     /// One exchange, no repetition.
     fn once(&mut self, target: &Target, query: &Query, window: Duration) -> Result<Reply, Failure> {
-        self.come_into_step(target, query, window)?;
+        self.come_into_step(target, query, window).map_err(|failure| match query.is_write() {
+            true => failure.kept_back(),
+            false => failure,
+        })?;
         match (&mut self.link, target.protocol) {
             (Link::Tcp(link), _) => link.ask(&self.runtime, target.address, query, window),
             (Link::Wire(_), Protocol::ModbusTcp) => {
@@ -211,7 +214,7 @@ impl Dialogue {
         self.counts.transactions = self.counts.transactions.saturating_add(1);
         let Some(failure) = failure.filter(|failure| !failure.is_refusal()) else { return };
         self.counts.errors = self.counts.errors.saturating_add(1);
-        let kind = match failure {
+        let kind = match failure.root() {
             Failure::Silent => "no answer",
             Failure::Cut { .. } => "cut short",
             Failure::Collision { .. } => "collision",

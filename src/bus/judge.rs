@@ -174,7 +174,8 @@ fn find_dcon(request: &[u8], rest: &[u8], checksum: bool, from: &AnswerFrom) -> 
         let candidate = rest.get(start..)?;
         let range = dcon::find_answer(candidate).filter(|range| range.start == 0)?;
         let frame = candidate.get(range)?;
-        let right = dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from) && fits(request, &answer));
+        let right =
+            dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from) && fits(request, &answer, from));
         right.then(|| frame.to_vec())
     })
 }
@@ -194,9 +195,14 @@ fn is_from(answer: &dcon::Answer, from: &AnswerFrom) -> bool {
     }
 }
 
-/// `#` commands are answered by data behind a `>` (PIR-234 manual 5.3).
-fn fits(request: &[u8], answer: &dcon::Answer) -> bool {
-    !matches!(answer, dcon::Answer::Valid { delimiter: '!', .. }) || request.first() != Some(&b'#')
+/// `#` commands are answered by data behind a `>` (PIR-234 manual 5.3), and only commands for outputs are ignored, by a
+/// lone `!` that does not tell whose it is.
+fn fits(request: &[u8], answer: &dcon::Answer, from: &AnswerFrom) -> bool {
+    match answer {
+        dcon::Answer::Valid { delimiter: '!', .. } => request.first() != Some(&b'#'),
+        dcon::Answer::Ignored => matches!(request.first(), Some(b'#' | b'@')) || *from == AnswerFrom::Anyone,
+        _ => true,
+    }
 }
 
 /// Bytes that a line without bias or termination shows between frames.
@@ -268,6 +274,14 @@ mod tests {
     fn an_answer_of_another_module_is_passed_over() {
         let received = b"!02PIR130\r!01PIR234\r";
         assert_eq!(answer_of(so_far(b"$01M\r", &dcon(false), received, false)), Some(b"!01PIR234".to_vec()));
+    }
+
+    #[test]
+    fn only_a_command_for_an_output_is_ignored() {
+        assert_eq!(answer_of(so_far(b"@01DO01\r", &dcon(false), b"!\r", false)), Some(b"!".to_vec()));
+        assert_eq!(so_far(b"$012\r", &dcon(false), b"!\r", false), Verdict::More);
+        let late = b"!\r!01400600\r";
+        assert_eq!(answer_of(so_far(b"$012\r", &dcon(false), late, false)), Some(b"!01400600".to_vec()));
     }
 
     #[test]

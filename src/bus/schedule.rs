@@ -20,8 +20,9 @@ const SHORT_SILENCE: Duration = Duration::from_secs(10);
 const SHARE_OF_PROBES: u32 = 2;
 /// A probe is one question; the poll in which a module fell silent repeated it.
 const COST_OF_PROBE: Duration = Duration::from_millis(250);
-/// Modules that fell silent within so long of each other did so for the same reason.
-const SAME_REASON: Duration = Duration::from_secs(5);
+/// Modules that fell silent within so long of each other did so for the same reason: as the first are asked in vain, with
+/// repeats, the last are asked so much later.
+const SAME_REASON: Duration = SHORT_SILENCE;
 /// A probe that fails at once must not be repeated at once.
 const SHORTEST_COST: Duration = Duration::from_millis(50);
 

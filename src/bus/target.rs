@@ -90,6 +90,7 @@ pub struct Tuning {
 }
 
 impl Tuning {
+    pub const DEFAULT: Self = Self { timeout: Duration::from_millis(200), repeats: 2 };
     pub const TIMEOUTS: RangeInclusive<Duration> = Duration::from_millis(20)..=Duration::from_secs(5);
     pub const REPEATS: RangeInclusive<u8> = 0..=5;
 
@@ -105,7 +106,7 @@ impl Tuning {
 
 impl Default for Tuning {
     fn default() -> Self {
-        Self { timeout: Duration::from_millis(200), repeats: 2 }
+        Self::DEFAULT
     }
 }
 
@@ -125,15 +126,17 @@ pub struct Patience {
 
 impl Patience {
     /// For a module that is known to be there, unless the user has set something else.
-    pub const CONVERSATION: Self =
-        Self { window: Duration::from_millis(200), after_silence: 2, after_garbage: 2, after_change: 1 };
+    pub const CONVERSATION: Self = Self::of_valid(Tuning::DEFAULT);
 
     /// A module may store what is written before it answers. Writes are never repeated.
     pub const WRITE_WINDOW: Duration = Duration::from_millis(500);
 
     /// For a module that is known to be there.
     pub fn of(tuning: Tuning) -> Self {
-        let Tuning { timeout: window, repeats } = tuning.within_limits();
+        Self::of_valid(tuning.within_limits())
+    }
+
+    const fn of_valid(Tuning { timeout: window, repeats }: Tuning) -> Self {
         Self { window, after_silence: repeats, after_garbage: repeats, after_change: 1 }
     }
 

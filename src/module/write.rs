@@ -25,6 +25,8 @@ pub enum WriteError {
     AddressTaken { id: String, address: u8 },
     #[error("{id} was not written: its present state could not be read first: {failure}")]
     ReadFirst { id: String, failure: Failure },
+    #[error("{id} was not written: {failure}")]
+    NotSent { id: String, failure: Failure },
     #[error("{id} was refused: {failure}{hint}")]
     Refused { id: String, failure: Failure, hint: &'static str },
     #[error("{id}: it is not known whether the value was taken: {failure}; reading back gave {read_back}")]
@@ -39,9 +41,10 @@ impl WriteError {
     /// What the line or the module did, where that is the reason.
     pub fn failure(&self) -> Option<&Failure> {
         match self {
-            Self::ReadFirst { failure, .. } | Self::Refused { failure, .. } | Self::NotVerified { failure, .. } => {
-                Some(failure)
-            }
+            Self::ReadFirst { failure, .. }
+            | Self::NotSent { failure, .. }
+            | Self::Refused { failure, .. }
+            | Self::NotVerified { failure, .. } => Some(failure),
             // What was read back tells more than the failure before it.
             Self::Unknown { .. }
             | Self::Value(_)
@@ -88,6 +91,7 @@ pub fn write_item(
             }
             Err(failure) => Err(WriteError::NotVerified { id: item.id.clone(), failure }),
         },
+        Err(failure @ Failure::NotSent(_)) => Err(WriteError::NotSent { id: item.id.clone(), failure }),
         Err(failure) if failure.is_refusal() => {
             Err(WriteError::Refused { id: item.id.clone(), failure, hint: refused_hint(item) })
         }

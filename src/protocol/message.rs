@@ -92,6 +92,9 @@ pub enum Failure {
     UnknownShape { answer: String },
     #[error("{0}")]
     NotOffered(String),
+    /// What had to come before it failed, so that the question did not leave.
+    #[error("the module has not answered what it was asked before ({0})")]
+    NotSent(Box<Failure>),
     #[error("the line was lost: {0}")]
     LineLost(String),
 }
@@ -105,6 +108,22 @@ impl Failure {
     /// Some module answered, whatever it said.
     pub fn shows_presence(&self) -> bool {
         self.is_refusal() || matches!(self, Self::UnknownShape { .. })
+    }
+
+    /// The same for a question that was kept back because of it.
+    pub fn kept_back(self) -> Self {
+        match self {
+            lost @ Self::LineLost(_) => lost,
+            other => Self::NotSent(Box::new(other)),
+        }
+    }
+
+    /// What happened on the line.
+    pub fn root(&self) -> &Self {
+        match self {
+            Self::NotSent(before) => before.root(),
+            other => other,
+        }
     }
 
     /// Bytes arrived that make no sense.

@@ -1,6 +1,7 @@
 //! Writes and the module that moves.
 
 use dcon_bench::bus::{BusCommand, BusEvent, Direction};
+use dcon_bench::module::{Value, WriteError};
 
 use crate::harness::*;
 
@@ -20,18 +21,11 @@ fn a_write_changes_the_module_and_is_told_as_the_module_then_says() {
     assert_eq!(line.sim.setting(1, "pir_on_time").as_deref(), Some("66"));
 }
 
-#[test]
-fn a_write_that_stays_without_answer_is_sent_once_and_its_outcome_is_said_to_be_unknown() {
-    let line = Line::open(&["pir-234@1"]);
+/// Writes `pir_on_time` and returns what is told of it, and how many writes were sent.
+fn write_on_time(line: &Line, text: &str) -> (Result<Value, WriteError>, u32) {
     let (target, definition) = (target("pir-234@1"), line.definition("pir-234"));
-    let id = line.bus.next_id();
-    line.bus.send(BusCommand::Identify { id, target }).expect("room");
-    line.until(|event| matches!(event, BusEvent::Identified { .. }).then_some(()));
-    line.sim.set_dead(1, true);
-    let before = line.sim.requests();
-    let value = definition.item("pir_on_time").expect("an item").parse("66").expect("a value");
-    let id = line.bus.next_id();
-    let item = "pir_on_time".to_owned();
+    let value = definition.item("pir_on_time").expect("an item").parse(text).expect("a value");
+    let (id, item) = (line.bus.next_id(), "pir_on_time".to_owned());
     line.bus.send(BusCommand::Write { id, target, definition, item, value }).expect("room");
     let mut writes = 0;
     let result = line.until(|event| match event {
@@ -42,10 +36,40 @@ fn a_write_that_stays_without_answer_is_sent_once_and_its_outcome_is_said_to_be_
         BusEvent::Written { result, .. } => Some(result.clone()),
         _ => None,
     });
+    (result, writes)
+}
+
+/// A line whose only module has been identified and answers no more.
+fn line_with_a_module_that_has_died() -> Line {
+    let line = Line::open(&["pir-234@1"]);
+    let (id, target) = (line.bus.next_id(), target("pir-234@1"));
+    line.bus.send(BusCommand::Identify { id, target }).expect("room");
+    line.until(|event| matches!(event, BusEvent::Identified { .. }).then_some(()));
+    line.sim.set_dead(1, true);
+    line
+}
+
+#[test]
+fn a_write_that_stays_without_answer_is_sent_once_and_its_outcome_is_said_to_be_unknown() {
+    let line = line_with_a_module_that_has_died();
+    let before = line.sim.requests();
+    let (result, writes) = write_on_time(&line, "66");
     let error = result.expect_err("nobody answered").to_string();
     assert!(error.contains("not known"), "{error}");
     assert_eq!(writes, 1);
     assert!(line.sim.requests() > before);
+}
+
+#[test]
+fn a_write_that_is_kept_back_for_the_answer_to_one_before_is_said_not_to_be_written() {
+    let line = line_with_a_module_that_has_died();
+    write_on_time(&line, "66").0.expect_err("nobody answered");
+    let (result, writes) = write_on_time(&line, "33");
+    let error = result.expect_err("nobody answers").to_string();
+    assert_eq!(
+        (error.as_str(), writes),
+        ("pir_on_time was not written: the module has not answered what it was asked before (no answer)", 0)
+    );
 }
 
 #[test]

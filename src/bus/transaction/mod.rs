@@ -162,6 +162,8 @@ impl Wire {
         let settled = self.line.now() + SETTLE;
         self.line.wait_until(settled);
         self.line.purge()?;
+        // What came meanwhile was not heard.
+        self.spoil_doubtful();
         Ok(true)
     }
 
@@ -196,10 +198,13 @@ impl Wire {
 
     /// Sends `request` and returns the verified answer, without echo and noise. `window` runs from the request's last
     /// bit to the answer's first byte. Waits until no answer to an earlier question can be taken for this one's.
+    ///
+    /// # Errors
+    /// What came instead of an answer; [`Failure::NotSent`] if the wait before was cut short.
     pub fn exchange(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<Vec<u8>, Failure> {
         let shape = Shape::of_request(request, expected);
         while let Some(until) = shape.and_then(|shape| self.debts.until(shape, request, self.line.now())) {
-            self.wait_for_late(until, expected)?;
+            self.wait_for_late(until, expected).map_err(Failure::kept_back)?;
         }
         self.speak_and_note(request, expected, window).map(|(answer, _)| answer)
     }
@@ -290,8 +295,8 @@ impl Wire {
     ) -> Result<(), LineLost> {
         self.ended = None;
         self.clock.follow(self.line.now(), self.line.wall());
+        // Nothing is dropped unseen: it could be what shows that an answer was taken for another.
         self.become_quiet(request, expected)?;
-        self.line.purge()?;
         let started = self.line.now();
         spoken.after_quiet = started.saturating_duration_since(self.last_activity) >= WARY_QUIET;
         self.line.send(request)?;

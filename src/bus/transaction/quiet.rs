@@ -54,8 +54,7 @@ impl Wire {
         let mut buffer = [0; 256];
         loop {
             if self.hurry.load(Ordering::Relaxed) {
-                let reason = "the wait for an answer that is late was cut short".to_owned();
-                return Err(Failure::Garbled { reason, bytes: Vec::new() });
+                return Err(Failure::Silent);
             }
             let slice = until.min(self.line.now() + LATE_SLICE);
             let count = self.line.receive(&mut buffer, slice)?;

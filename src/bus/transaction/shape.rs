@@ -16,6 +16,8 @@ pub enum Shape {
         address: Option<u8>,
         carries: Carries,
         checksum: bool,
+        /// It sets an output, which may be answered by a lone `!`, whoever says it.
+        output: bool,
     },
 }
 
@@ -65,7 +67,7 @@ impl Shape {
             _ if request.first() == Some(&b'#') => Carries::Data,
             _ => Carries::Anything,
         };
-        Self::Dcon { address: spoken_to(request), carries, checksum }
+        Self::Dcon { address: spoken_to(request), carries, checksum, output: sets_output(request) }
     }
 
     /// The module that is asked.
@@ -109,8 +111,8 @@ impl Shape {
         match (self, other) {
             (Self::Rtu { .. }, Self::Rtu { .. }) => self == other,
             (
-                Self::Dcon { address, carries, checksum },
-                Self::Dcon { address: asked, carries: awaited, checksum: with_checksum },
+                Self::Dcon { address, carries, checksum, output },
+                Self::Dcon { address: asked, carries: awaited, checksum: with_checksum, output: sets_output },
             ) => {
                 let fits = match (carries, awaited) {
                     (_, Carries::Anything) | (Carries::Anything, _) | (Carries::Data, Carries::Data) => true,
@@ -118,7 +120,7 @@ impl Shape {
                     (Carries::Address, Carries::Address) => address == asked || address.is_none() || asked.is_none(),
                 };
                 // An answer with checksum passes where none is looked for.
-                (!with_checksum || checksum) && fits
+                (!with_checksum || checksum) && (fits || (output && sets_output))
             }
             _ => false,
         }
@@ -128,6 +130,11 @@ impl Shape {
 /// Whether this DCON command asks for the module's name, which never changes: an answer that comes late is as good.
 pub fn asks_for_name(request: &[u8]) -> bool {
     request.first() == Some(&b'$') && request.get(3) == Some(&b'M')
+}
+
+/// `@AADO…` (PIR-234 manual 5.26, whose answer to an ignored command is a lone `!`).
+fn sets_output(request: &[u8]) -> bool {
+    request.first() == Some(&b'@') && request.get(3..5) == Some(b"DO")
 }
 
 /// The address that stands in a DCON command.

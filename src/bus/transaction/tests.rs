@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use super::*;
-use crate::protocol::{AnswerFrom, Protocol, hex, modbus};
+use crate::protocol::{AnswerFrom, BaudRate, Protocol, hex, modbus};
 
 const WINDOW: Duration = Duration::from_millis(60);
 const REQUEST: &[u8] = &[1, 3, 0, 0, 0, 1];
@@ -15,14 +15,18 @@ struct Scripted {
     answers: VecDeque<Vec<(u64, Vec<u8>)>>,
     incoming: VecDeque<(Instant, Vec<u8>)>,
     sent: Arc<Mutex<Vec<Instant>>>,
+    /// The speed was changed, and nothing sent since.
+    changing: bool,
 }
 
 impl Line for Scripted {
     fn configure(&mut self, _: LineSettings) -> Result<(), LineLost> {
+        self.changing = true;
         Ok(())
     }
 
     fn send(&mut self, _: &[u8]) -> Result<(), LineLost> {
+        self.changing = false;
         self.sent.lock().unwrap().push(self.now);
         let answers = self.answers.pop_front().expect("no further request was expected");
         let at = |ms| self.now + Duration::from_millis(ms);
@@ -47,6 +51,7 @@ impl Line for Scripted {
     }
 
     fn purge(&mut self) -> Result<(), LineLost> {
+        assert!(self.changing, "between two questions at one speed nothing is dropped unseen");
         let now = self.now;
         self.incoming.retain(|(at, _)| *at > now);
         Ok(())
@@ -68,8 +73,13 @@ impl Line for Scripted {
 fn wire(answers: &[&[(u64, &[u8])]]) -> (Wire, Arc<Mutex<Vec<Instant>>>) {
     let sent = Arc::<Mutex<Vec<Instant>>>::default();
     let script = answers.iter().map(|answer| answer.iter().map(|(ms, bytes)| (*ms, bytes.to_vec())).collect());
-    let line =
-        Scripted { now: Instant::now(), answers: script.collect(), incoming: VecDeque::new(), sent: sent.clone() };
+    let line = Scripted {
+        now: Instant::now(),
+        answers: script.collect(),
+        incoming: VecDeque::new(),
+        sent: sent.clone(),
+        changing: false,
+    };
     (Wire::new(Box::new(line), LineSettings::default(), Box::new(|_| {})).unwrap(), sent)
 }
 
@@ -176,4 +186,19 @@ fn an_answer_of_a_neighbour_is_passed_over_while_the_right_one_is_awaited() {
     let (mut wire, _) = wire(&[&[(10, b"!02PIR130\r"), (40, b"!01PIR234\r")]]);
     let answer = wire.exchange(b"$01M\r", &expected, WINDOW).unwrap();
     assert_eq!(hex::escaped(&answer), "!01PIR234");
+}
+
+#[test]
+fn an_answer_that_could_be_a_second_copy_is_not_believed_when_its_own_may_have_come_while_the_speed_was_changed() {
+    let (first, second) = (answer(1), answer(2));
+    let (mut wire, _) = wire(&[&[(20, &first)], &[(5, &first), (30, &second)]]);
+    ask(&mut wire).unwrap();
+    let other = modbus::with_crc(&[1, 3, 0, 9, 0, 1]);
+    let expected = Expected::Rtu { address: 1 };
+    assert_eq!(wire.exchange(&other, &expected, WINDOW), Ok(first), "nothing shows yet whose it is");
+    let shape = Shape::of_request(&other, &expected).unwrap();
+    assert_eq!(wire.doubts(shape), Doubts::Open(vec![shape]));
+    let slower = LineSettings { baud_rate: BaudRate::new(1_200).unwrap(), ..LineSettings::default() };
+    assert_eq!(wire.configure(slower), Ok(true));
+    assert_eq!(wire.doubts(shape), Doubts::Spoiled);
 }
