@@ -194,7 +194,7 @@ impl Run<'_> {
         self.phase = format!("the recovery from {}", phase.name);
         // New values: whoever shows the old ones now shows what is no longer true.
         self.line.change(&mut self.watch.truth);
-        let recovered = self.recover(&phase.name, phase.quiet);
+        let recovered = self.recover(phase);
         self.hands.settle(&self.line.ear);
         self.phase = "nothing".to_owned();
         for kind in kinds {
@@ -206,9 +206,11 @@ impl Run<'_> {
         (self.tell)(&format!("{:5} s  {}: {text}, {recovered}", at.as_secs(), phase.name));
     }
 
-    /// Waits until everything is as before, and for `quiet` at least.
-    fn recover(&mut self, name: &str, quiet: Duration) -> String {
-        let since = Instant::now();
+    /// Waits until everything is as before, and for a while at least.
+    fn recover(&mut self, Phase { faults, name, quiet, .. }: &Phase) -> String {
+        let outlast = faults.outlast();
+        self.stay(outlast);
+        let (since, quiet) = (Instant::now(), quiet.saturating_sub(outlast));
         self.recovery = Some(Recovery::new(since, &self.line.targets));
         self.stay(quiet);
         self.until(GIVE_UP_RECOVERY.saturating_sub(quiet), |run| {
@@ -220,7 +222,7 @@ impl Run<'_> {
         match recovery.all {
             Some(time) => {
                 if time > recoveries.module {
-                    *recoveries = Recoveries { module: time, after: name.to_owned(), ..recoveries.clone() };
+                    *recoveries = Recoveries { module: time, after: name.clone(), ..recoveries.clone() };
                 }
                 format!("recovered after {:.1} s", time.as_secs_f64())
             }

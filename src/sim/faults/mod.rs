@@ -61,6 +61,11 @@ impl Faults {
         self.strengths.remove(&kind);
     }
 
+    /// For how long after they were switched off the last of what they have caused may still come.
+    pub fn outlast(&self) -> Duration {
+        if self.is_on(FaultKind::Late) { *self.late_by.end() } else { Duration::ZERO }
+    }
+
     /// Those that are on.
     pub fn iter(&self) -> impl Iterator<Item = Fault> {
         self.strengths.iter().map(|(&kind, &strength)| Fault { kind, strength })
