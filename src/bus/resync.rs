@@ -39,10 +39,11 @@ impl Dialogue {
         match target.protocol {
             Protocol::ModbusRtu if !owed.is_empty() => self.ask_otherwise(target, &owed, window, Alone::Waived),
             Protocol::Dcon => {
-                let mut asked: Vec<u8> = owed.into_iter().filter_map(Shape::address).collect();
+                let mut asked: Vec<(u8, bool)> = owed.into_iter().filter_map(Shape::dcon_module).collect();
                 asked.dedup();
-                for address in asked {
-                    let outcome = self.ask_for_known_name(&Target { address, ..*target }, window, Alone::Waived);
+                for (address, checksum) in asked {
+                    let owing = Target { address, checksum, ..*target };
+                    let outcome = self.ask_for_known_name(&owing, window, Alone::Waived);
                     // Another module that stays silent is waited for instead.
                     if address == target.address {
                         outcome?;

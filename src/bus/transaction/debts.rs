@@ -94,8 +94,18 @@ impl Debts {
         shapes
     }
 
-    /// What is owed that could be taken for the answer to `shape`.
+    /// Whether `answer`, which was awaited without an address, begins with that of another module that owes one.
+    pub fn claim(&self, shape: Shape, answer: &[u8], now: Instant) -> bool {
+        self.open(shape, now).any(|debt| debt.shape.shows_another_than(shape) && debt.shape.stands_in_front_of(answer))
+    }
+
+    /// What is owed that has to be waited for, lest it be taken for the answer to `shape`.
     fn against(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
+        self.open(shape, now).filter(move |debt| !debt.shape.shows_another_than(shape))
+    }
+
+    /// What is owed and would be accepted as the answer to `shape`.
+    fn open(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
         self.all
             .iter()
             .filter(move |debt| debt.until > now && debt.settings == self.settings && debt.shape.could_answer(shape))

@@ -224,6 +224,11 @@ impl Wire {
         let Spoken { outcome, surplus, after_quiet, .. } = self.speak(request, expected, window);
         let now = self.line.now();
         if let Some(shape) = Shape::of_request(request, expected) {
+            if let Ok(answer) = &outcome
+                && self.debts.claim(shape, answer, now)
+            {
+                return Err(self.refuse(shape, request, expected, answer));
+            }
             match &outcome {
                 Ok(answer) => {
                     self.debts.answered(shape, request, expected, now);
@@ -239,6 +244,16 @@ impl Wire {
             }
         }
         Ok((outcome?, surplus))
+    }
+
+    /// The answer is another module's, late; that to `request` may still come.
+    fn refuse(&mut self, shape: Shape, request: &[u8], expected: &Expected, answer: &[u8]) -> Failure {
+        let now = self.line.now();
+        self.debts.seen(&[answer, b"\r"].concat(), now);
+        self.debts.note(shape, request, expected, now);
+        self.disturbed = true;
+        let reason = "the answer is that of another module, which was asked before".to_owned();
+        Failure::Garbled { reason, bytes: answer.to_vec() }
     }
 
     /// An answer that could as well be a second one to the question before is remembered as doubtful; one that cannot be

@@ -78,6 +78,14 @@ impl Shape {
         }
     }
 
+    /// The DCON module that is asked, and whether with checksum.
+    pub fn dcon_module(self) -> Option<(u8, bool)> {
+        match self {
+            Self::Dcon { address, checksum, .. } => Some((address?, checksum)),
+            Self::Rtu { .. } => None,
+        }
+    }
+
     /// Whether the answer says no: all such answers have the same length.
     pub fn is_exception(self, answer: &[u8]) -> bool {
         matches!(self, Self::Rtu { .. }) && answer.get(1).is_some_and(|function| function & 0x80 != 0)
@@ -104,6 +112,24 @@ impl Shape {
     pub fn asks_whom(self, other: Self) -> bool {
         let same_protocol = matches!(self, Self::Rtu { .. }) == matches!(other, Self::Rtu { .. });
         same_protocol && self.address().is_some() && self.address() == other.address()
+    }
+
+    /// Whether an answer to this carries the address of a module that `other` does not ask: wherever it comes, it shows that
+    /// it belongs elsewhere.
+    pub fn shows_another_than(self, other: Self) -> bool {
+        match (self, other) {
+            (
+                Self::Dcon { address: Some(address), carries: Carries::Address, output, .. },
+                Self::Dcon { address: Some(asked), output: sets_output, .. },
+            ) => address != asked && !(output && sets_output),
+            _ => false,
+        }
+    }
+
+    /// Whether `answer` begins as one to this does that carries its address.
+    pub fn stands_in_front_of(self, answer: &[u8]) -> bool {
+        let Self::Dcon { address: Some(address), .. } = self else { return false };
+        answer.get(1..3) == Some(format!("{address:02X}").as_bytes())
     }
 
     /// Whether an answer to this question could be taken for one to `other`.

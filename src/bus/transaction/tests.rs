@@ -202,3 +202,18 @@ fn an_answer_that_could_be_a_second_copy_is_not_believed_when_its_own_may_have_c
     assert_eq!(wire.configure(slower), Ok(true));
     assert_eq!(wire.doubts(shape), Doubts::Spoiled);
 }
+
+#[test]
+fn an_answer_that_carries_another_modules_address_is_not_waited_for_and_not_taken() {
+    let addressed = Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![7]) };
+    let bare = Expected::Dcon { checksum: false, from: AnswerFrom::Anyone };
+    let late: &[(u64, &[u8])] = &[(20, b"!070000\r"), (40, b">A200100\r")];
+    let (mut wire, sent) = wire(&[&[], late, &[(20, b">A200100\r")]]);
+    assert_eq!(wire.exchange(b"@07RAO\r", &addressed, WINDOW), Err(Failure::Silent));
+    let refused = wire.exchange(b"@A2DI\r", &bare, WINDOW);
+    assert!(refused.as_ref().is_err_and(Failure::is_garbage), "{refused:?}");
+    assert_eq!(wire.exchange(b"@A2DI\r", &bare, WINDOW), Ok(b">A200100".to_vec()));
+    let sent = sent.lock().unwrap();
+    assert_eq!(sent[1] - sent[0], WINDOW + LineSettings::default().wire_time(7), "nothing is waited for");
+    assert!(sent[2] - sent[1] >= Duration::from_millis(40), "the right answer was under way");
+}
