@@ -342,3 +342,44 @@ fn a_dead_module_costs_one_question_a_run() {
         assert_eq!(module.0, runs);
     }
 }
+
+/// A PIR-234 that answers its first question, is silent to so many, and answers again.
+struct SilentFor {
+    silences: usize,
+    asked: usize,
+}
+
+impl Ask for SilentFor {
+    fn ask(&mut self, _query: &Query) -> Result<Reply, Failure> {
+        self.asked += 1;
+        let is_silent = (2..2 + self.silences).contains(&self.asked);
+        if is_silent { Err(Failure::Silent) } else { Err(Failure::Refused { answer: "?01".into() }) }
+    }
+
+    fn answered_at(&self) -> Timestamp {
+        Timestamp::UNIX_EPOCH
+    }
+
+    fn follow(&mut self, _address: u8) {}
+}
+
+#[test]
+fn some_silences_in_a_row_lose_only_what_was_asked_then_and_many_are_an_absence() {
+    let definition = definition("pir-234");
+    let ids = || definition.readable_ids(Protocol::Dcon, &[]);
+    let run = |silences| {
+        let mut module = SilentFor { silences, asked: 0 };
+        let values = dcon_bench::module::read_items(&definition, Protocol::Dcon, 1, ids(), &mut module);
+        let silent = values.iter().filter(|answer| answer.result == Err(Failure::Silent)).count();
+        (module.asked, silent, values.len())
+    };
+    let (all, ..) = run(0);
+    assert!(all > 10, "{all} questions");
+    for silences in 1..=7 {
+        let (asked, silent, values) = run(silences);
+        assert!(asked > all / 2, "what comes later is asked: {asked} of {all}");
+        assert!((1..values).contains(&silent), "{silent} of {values} are missing after {silences} silences");
+    }
+    let (asked, ..) = run(usize::MAX - 2);
+    assert_eq!(asked, 9, "it has gone: nothing more is asked");
+}

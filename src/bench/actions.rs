@@ -220,7 +220,7 @@ impl Bench {
         self.scan = None;
         self.settings = settings;
         self.changing_line = Some(id);
-        self.diagnosis.begin(&line);
+        self.diagnosis.begin(&line, self.tuning);
         self.line = LineState::Opening { line: line.clone() };
         self.wanted_line = Some(line.clone());
         self.send(BusCommand::Open { id, line, settings });
@@ -233,11 +233,10 @@ impl Bench {
     }
 
     fn start_scan(&mut self, line: LineAddress, settings: LineSettings, plan: ScanPlan) {
-        if let LineState::Lost { line: lost, reason } = &self.line
-            && lost.to_string() == line.to_string()
+        if self.line.line().is_some_and(|lost| lost.to_string() == line.to_string())
+            && let Some(loss) = self.line.loss()
         {
-            let text = format!("{line} is gone ({reason}) – plug the adapter in again before scanning");
-            return self.notify(Severity::Error, text);
+            return self.notify(Severity::Error, format!("It cannot be scanned now: {loss}"));
         }
         // A line that is still being opened is open by the time the scan is taken.
         let same = self.line.line().is_some_and(|open| open.to_string() == line.to_string());

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::traffic::{FrameRef, TrafficLog, append_csv, write_csv};
 use super::{Bench, LineState, Severity};
-use crate::bus::{BusCommand, Frame, LatencyTimer, LineAddress, LineProblem, RequestId, Target};
+use crate::bus::{BusCommand, Frame, LatencyTimer, LineAddress, LineProblem, RequestId, Target, Tuning};
 use crate::diagnosis::bundle::{self, Bundle, Traffic};
 use crate::diagnosis::{ConsistencyTest, Diagnosis, Report};
 use crate::protocol::Failure;
@@ -52,8 +52,9 @@ impl LiveDiagnosis {
     }
 
     /// Nothing that was known is true of another line.
-    pub(super) fn begin(&mut self, line: &LineAddress) {
+    pub(super) fn begin(&mut self, line: &LineAddress, tuning: Tuning) {
         *self = Self { line: line.to_string(), ..Self::default() };
+        self.known.note_tuning(tuning);
     }
 }
 
@@ -90,7 +91,7 @@ impl Bench {
             return self.notify(Severity::Warning, text.to_owned());
         }
         if self.diagnosis.test.is_none() {
-            self.ask_again(ConsistencyTest::new(target, reads));
+            self.ask_again(ConsistencyTest::new(target, reads, self.tuning));
         }
     }
 
@@ -146,5 +147,68 @@ impl Bench {
             LineState::Open { .. } => None,
             _ => Some("No line is open: scan to open it"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::bench::Action;
+    use crate::bus::{Bus, Direction, ScanPlan};
+    use crate::module::Catalogue;
+    use crate::protocol::{LineSettings, Protocol};
+    use crate::sim::{ModuleSpec, Pace, Sim};
+
+    /// Far more than anything here takes; reaching it is a failure.
+    const LIMIT: Duration = Duration::from_secs(60);
+
+    /// A bench that has found the PIR-234 of a clean simulated line, and polls it as fast as it can.
+    fn polling(sim: &Sim) -> Bench {
+        let catalogue = std::sync::Arc::new(Catalogue::built_in().0);
+        let bus = Bus::start(catalogue.clone(), || {}).unwrap();
+        let mut bench = Bench::new(bus, catalogue, &[]);
+        let line = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
+        bench.apply(Action::Scan { line, settings: LineSettings::default(), plan: ScanPlan::quick() });
+        until(&mut bench, |bench| !bench.modules().is_empty());
+        let target = bench.modules()[0].target;
+        bench.apply(Action::SetInterval(target, Duration::ZERO));
+        bench
+    }
+
+    #[track_caller]
+    fn until(bench: &mut Bench, mut reached: impl FnMut(&Bench) -> bool) {
+        let start = Instant::now();
+        while !reached(bench) {
+            assert!(start.elapsed() < LIMIT, "not reached");
+            bench.drain();
+            std::thread::yield_now();
+        }
+    }
+
+    /// Whether an answer has come whose CRC ends with the byte of a line feed.
+    fn has_heard_line_feed(bench: &Bench) -> bool {
+        let log = bench.traffic();
+        let frames = (log.first_seq()..log.next_seq()).filter_map(|seq| log.get(seq)).map(|frame| frame.to_frame());
+        let is_rtu = |frame: &Frame| frame.protocol == Protocol::ModbusRtu && frame.direction == Direction::Received;
+        frames.filter(is_rtu).any(|frame| frame.bytes.ends_with(b"\n"))
+    }
+
+    #[test]
+    fn a_clean_line_shows_no_noise_whatever_its_modules_measure() {
+        let specs: Vec<ModuleSpec> = vec!["pir-234@1:modbus_rtu:9600".parse().unwrap()];
+        let sim = Sim::new(&specs, Pace::Skip);
+        let mut bench = polling(&sim);
+        let mut hundredths = 0u32;
+        until(&mut bench, |bench| {
+            hundredths = (hundredths + 1) % 5_000;
+            sim.set_temperature(1, f64::from(hundredths) / 100.0);
+            has_heard_line_feed(bench)
+        });
+        let report = bench.diagnosis_report();
+        assert_eq!((report.line.noisy_answers, report.line.unasked_bytes), (0, 0));
+        assert_eq!(report.conclusion(), "Nothing is wrong.");
+        assert!(report.to_string().contains("Noise          none seen"), "{report}");
     }
 }

@@ -27,7 +27,7 @@ impl Bench {
         }
         match event {
             BusEvent::LineLost { reason } => self.line_is_lost(reason),
-            BusEvent::StillLost { reason } => self.line_is_still_lost(reason),
+            BusEvent::StillLost { obstacle } => self.line_is_still_lost(obstacle),
             BusEvent::LineRestored { line } => self.line_is_restored(line),
             BusEvent::ScanProgress { id, progress } => {
                 if let Some(ScanState::Running { progress: shown, .. }) = self.running_scan(id) {

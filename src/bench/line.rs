@@ -2,7 +2,7 @@
 //! wrong.
 
 use super::{Bench, Module, Presence, Reading, Severity, Topic};
-use crate::bus::{BusCommand, LineAddress, Tuning, adapters_without_port, ports};
+use crate::bus::{BusCommand, LineAddress, Obstacle, Tuning, adapters_without_port, ports};
 use crate::protocol::Failure;
 use crate::record::EventKind;
 use crate::sim::{Faults, Injected, Sim};
@@ -22,6 +22,8 @@ pub enum LineState {
     Lost {
         line: LineAddress,
         reason: String,
+        /// Why it cannot be taken up although its adapter is there.
+        obstacle: Option<Obstacle>,
     },
 }
 
@@ -45,12 +47,12 @@ impl LineState {
     pub fn obstacle(&self) -> Option<&'static str> {
         match self {
             Self::Closed => Some("No line is open: scan to open it again"),
-            Self::Lost { line, reason } => Some(match Cause::of(line, reason) {
+            Self::Lost { line, reason, obstacle } => Some(match Cause::of(line, reason, obstacle.as_ref()) {
                 Cause::Network => "The line is lost: check the cable and the module's power",
                 Cause::Blocked => {
                     "The line is lost: switch flow control off, or unplug the adapter and plug it in again"
                 }
-                Cause::Barred => "The line is lost: its adapter is there but cannot be taken up, see the notices",
+                Cause::Barred(_) => "The line is lost: its adapter is there but cannot be taken up, see the notices",
                 Cause::Unplugged => "The line is lost: plug the adapter in again",
             }),
             Self::Opening { .. } | Self::Open { .. } => None,
@@ -60,41 +62,38 @@ impl LineState {
     /// Why the line is lost, and how it comes back; `None` while it is not.
     pub fn loss(&self) -> Option<String> {
         match self {
-            Self::Lost { line, reason } => Some(told(line, reason)),
+            Self::Lost { line, reason, obstacle } => Some(told(line, reason, obstacle.as_ref())),
             _ => None,
         }
     }
 }
 
-/// What a loss comes from, as far as its reason tells: each has another way out.
+/// What a loss comes from, as far as is known: each has another way out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Cause {
+enum Cause<'a> {
     Network,
     /// The adapter is there and takes nothing.
     Blocked,
-    /// The adapter is there and cannot be opened; the reason says what to do.
-    Barred,
+    /// The adapter is there and cannot be opened.
+    Barred(&'a Obstacle),
     Unplugged,
 }
 
-impl Cause {
-    fn of(line: &LineAddress, reason: &str) -> Self {
-        match () {
-            () if line.is_tcp() => Self::Network,
+impl<'a> Cause<'a> {
+    fn of(line: &LineAddress, reason: &str, obstacle: Option<&'a Obstacle>) -> Self {
+        match obstacle {
+            _ if line.is_tcp() => Self::Network,
+            Some(obstacle) => Self::Barred(obstacle),
             // Only what is written to a serial port can run into a timeout there.
-            () if reason.contains("takes no bytes") || reason.contains("timed out") => Self::Blocked,
-            () if reason.contains(WHAT_TO_DO) => Self::Barred,
-            () => Self::Unplugged,
+            None if reason.contains("takes no bytes") || reason.contains("timed out") => Self::Blocked,
+            None => Self::Unplugged,
         }
     }
 }
 
-/// Stands between what happened and what to do about it.
-const WHAT_TO_DO: &str = " – ";
-
 /// What happened to a lost line, and what to do about it.
-fn told(line: &LineAddress, reason: &str) -> String {
-    match Cause::of(line, reason) {
+fn told(line: &LineAddress, reason: &str, obstacle: Option<&Obstacle>) -> String {
+    match Cause::of(line, reason, obstacle) {
         Cause::Network => format!(
             "{line} is gone ({reason}) – check the cable and the module's power; it is connected again by itself"
         ),
@@ -102,19 +101,19 @@ fn told(line: &LineAddress, reason: &str) -> String {
             "{line} is lost ({reason}) – its flow control or driver holds bytes back: switch flow control off, unplug \
              and replug the adapter, or restart the program that shares a virtual port; it is taken up again by itself"
         ),
-        Cause::Barred => told_barred(line, reason),
+        Cause::Barred(obstacle) => told_barred(line, obstacle),
         Cause::Unplugged => format!("{line} is gone ({reason}) – plug the adapter in again, it is taken up by itself"),
     }
 }
 
-fn told_barred(line: &LineAddress, reason: &str) -> String {
-    let name = line.to_string();
-    let happened = match reason.contains(&name) {
-        true => reason.to_owned(),
-        false => format!("{name} cannot be taken up again: {reason}"),
-    };
-    let join = if reason.contains(WHAT_TO_DO) { "; " } else { WHAT_TO_DO };
-    format!("{happened}{join}it is tried again by itself")
+/// Both obstacles say what to do; a problem names its line.
+fn told_barred(line: &LineAddress, obstacle: &Obstacle) -> String {
+    match obstacle {
+        Obstacle::NotOpened(problem) => format!("{problem}; it is tried again by itself"),
+        Obstacle::WithoutPort(adapter) => {
+            format!("{line} cannot be taken up again: {adapter}; it is tried again by itself")
+        }
+    }
 }
 
 impl Bench {
@@ -151,6 +150,7 @@ impl Bench {
         let tuning = tuning.within_limits();
         if tuning != self.tuning && self.try_send(BusCommand::Tune(tuning)) {
             self.tuning = tuning;
+            self.diagnosis.known.note_tuning(tuning);
         }
     }
 
@@ -202,19 +202,19 @@ impl Bench {
 
     pub(super) fn line_is_lost(&mut self, reason: String) {
         let Some(line) = self.line.line().cloned() else { return };
-        self.notify_of(Topic::LineLost, told(&line, &reason));
+        self.notify_of(Topic::LineLost, told(&line, &reason, None));
         self.note_line(EventKind::Lost, format!("{line} is gone ({reason})"));
         self.pause_all();
         self.modules.iter_mut().for_each(|module| module.line_is_lost(&reason));
         self.ports = ports();
-        self.line = LineState::Lost { line, reason };
+        self.line = LineState::Lost { line, reason, obstacle: None };
     }
 
     /// The adapter of the lost line is there again and cannot be taken up: why, told once for each loss.
-    pub(super) fn line_is_still_lost(&mut self, reason: String) {
-        let LineState::Lost { line, reason: known } = &mut self.line else { return };
-        let text = told_barred(line, &reason);
-        *known = reason;
+    pub(super) fn line_is_still_lost(&mut self, obstacle: Obstacle) {
+        let LineState::Lost { line, obstacle: known, .. } = &mut self.line else { return };
+        let text = told_barred(line, &obstacle);
+        *known = Some(obstacle);
         let mut since = self.notices.iter().rev().take_while(|notice| notice.topic != Topic::LineLost);
         if !since.any(|notice| notice.topic == Topic::StillLost && notice.text == text) {
             self.notify_of(Topic::StillLost, text);
@@ -257,11 +257,17 @@ impl Module {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bus::Bus;
+    use crate::bench::Action;
+    use crate::bus::{Bus, LineProblem, NoPort, ProblemKind, WithoutPort};
     use crate::module::Catalogue;
+    use crate::protocol::LineSettings;
 
     fn port() -> LineAddress {
         LineAddress::Serial { port: "/dev/ttyUSB0".to_owned() }
+    }
+
+    fn not_opened(kind: ProblemKind) -> Obstacle {
+        Obstacle::NotOpened(LineProblem { line: port().to_string(), kind })
     }
 
     fn with_open_line() -> Bench {
@@ -277,38 +283,75 @@ mod tests {
 
     #[test]
     fn what_to_do_about_a_loss_follows_its_reason() {
-        assert!(told(&port(), "it was unplugged").contains("plug the adapter in again"));
+        assert!(told(&port(), "it was unplugged", None).contains("plug the adapter in again"));
         let network = LineAddress::tcp("192.168.0.9").unwrap();
-        assert!(told(&network, "the connection timed out").contains("check the cable"));
+        assert!(told(&network, "the connection timed out", None).contains("check the cable"));
         for reason in ["the port takes no bytes", "Operation timed out"] {
-            let text = told(&port(), reason);
+            let text = told(&port(), reason, None);
             assert!(text.contains("switch flow control off") && !text.contains("plug the adapter in again"), "{text}");
-            let state = LineState::Lost { line: port(), reason: reason.to_owned() };
+            let state = LineState::Lost { line: port(), reason: reason.to_owned(), obstacle: None };
             assert!(state.obstacle().unwrap().contains("flow control"));
         }
     }
 
     #[test]
+    fn a_scan_of_a_lost_line_tells_why_it_is_lost() {
+        let scan = |line: LineAddress, reason: &str, obstacle: Option<Obstacle>| {
+            let mut bench = with_open_line();
+            bench.line = LineState::Open { line: line.clone() };
+            bench.line_is_lost(reason.to_owned());
+            if let Some(obstacle) = obstacle {
+                bench.line_is_still_lost(obstacle);
+            }
+            let plan = crate::bus::ScanPlan::quick();
+            bench.apply(Action::Scan { line, settings: LineSettings::default(), plan });
+            assert!(!bench.is_scanning());
+            bench.notices().last().unwrap().text.clone()
+        };
+        let told = scan(port(), "it was unplugged", None);
+        assert!(told.starts_with("It cannot be scanned now: /dev/ttyUSB0 is gone (it was unplugged)"), "{told}");
+        let told = scan(port(), "it was unplugged", Some(not_opened(ProblemKind::PermissionDenied)));
+        assert!(told.contains("ermission") && !told.contains("plug the adapter in"), "{told}");
+        let told = scan(port(), "the port takes no bytes", None);
+        assert!(told.contains("switch flow control off"), "{told}");
+        let told = scan(LineAddress::tcp("192.168.0.9").unwrap(), "the module closed the connection", None);
+        assert!(told.contains("check the cable") && !told.contains("adapter"), "{told}");
+    }
+
+    #[test]
+    fn a_dash_in_a_reason_is_no_obstacle() {
+        let text = told(&port(), "read error 5 – EIO", None);
+        assert!(text.contains("plug the adapter in again"), "{text}");
+    }
+
+    #[test]
     fn why_an_adapter_that_is_there_is_not_taken_up_is_told_once_for_each_loss() {
         let mut bench = with_open_line();
-        bench.line_is_still_lost("nobody asked".to_owned());
+        bench.line_is_still_lost(not_opened(ProblemKind::PermissionDenied));
         assert!(texts(&bench, Topic::StillLost).is_empty());
         bench.line_is_lost("it was unplugged".to_owned());
-        let busy = "another program uses it – close that program";
-        for reason in [busy, "no permission", busy] {
-            bench.line_is_still_lost(reason.to_owned());
+        let busy = not_opened(ProblemKind::Busy { by: None });
+        let driver =
+            WithoutPort { maker: "WCH", vendor: 0x1A86, product: 0x7523, reason: NoPort::NoDriver { driver: "ch341" } };
+        for obstacle in [busy.clone(), Obstacle::WithoutPort(driver), busy.clone()] {
+            bench.line_is_still_lost(obstacle);
         }
-        let expected = [
-            "/dev/ttyUSB0 cannot be taken up again: another program uses it – close that program; it is tried again by \
-             itself",
-            "/dev/ttyUSB0 cannot be taken up again: no permission – it is tried again by itself",
-        ];
-        assert_eq!(texts(&bench, Topic::StillLost), expected);
-        assert!(matches!(bench.line(), LineState::Lost { reason, .. } if reason == busy));
+        let told = texts(&bench, Topic::StillLost);
+        assert_eq!(told.len(), 2, "{told:?}");
+        assert_eq!(
+            told[0],
+            "/dev/ttyUSB0 is in use by another program – close that program and try again; it is tried again by itself"
+        );
+        assert!(
+            told[1].starts_with("/dev/ttyUSB0 cannot be taken up again: An adapter of WCH (1a86:7523)"),
+            "{told:?}"
+        );
+        assert!(told[1].contains("sudo modprobe ch341"), "{told:?}");
+        assert!(matches!(bench.line(), LineState::Lost { obstacle, .. } if *obstacle == Some(busy.clone())));
         assert!(bench.line().obstacle().unwrap().contains("cannot be taken up"));
         bench.line_is_restored(port());
         bench.line_is_lost("it was unplugged".to_owned());
-        bench.line_is_still_lost("no permission".to_owned());
+        bench.line_is_still_lost(busy);
         assert_eq!(texts(&bench, Topic::StillLost).len(), 3);
     }
 

@@ -1,4 +1,5 @@
-//! USB adapters that are plugged in without a port to open, and who holds a port that is busy: what Linux tells of both.
+//! USB adapters that are plugged in without a port to open, and who holds a port that is busy: what Linux tells of both,
+//! and Windows of the former.
 
 use std::fmt;
 use std::fs;
@@ -33,32 +34,110 @@ pub enum NoPort {
     NoDriver {
         driver: &'static str,
     },
+    /// Windows has the driver from the maker or its update service only.
+    NoDriverOnWindows,
 }
 
 impl fmt::Display for WithoutPort {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} – {}", self.happened(), self.reason.next_step())
+    }
+}
+
+impl WithoutPort {
+    /// Which adapter it is, and why it has no port.
+    pub fn happened(&self) -> String {
         let Self { maker, vendor, product, reason } = self;
-        write!(f, "An adapter of {maker} ({vendor:04x}:{product:04x}) is plugged in, but has no port: ")?;
-        match reason {
-            NoPort::Brltty => f.write_str(
-                "brltty, the screen reader for braille displays, takes it – `sudo apt remove brltty`, or `sudo systemctl mask \
-                 brltty-udev.service` to keep it, then plug the adapter in again",
+        let cause = reason.cause();
+        format!("An adapter of {maker} ({vendor:04x}:{product:04x}) is plugged in, but has no port: {cause}")
+    }
+}
+
+impl NoPort {
+    fn cause(&self) -> &'static str {
+        match self {
+            Self::Brltty => "brltty, the screen reader for braille displays, takes it",
+            Self::Taken => "a program uses it directly, such as a virtual machine",
+            Self::NoDriver { .. } | Self::NoDriverOnWindows => "its driver is missing",
+        }
+    }
+
+    /// What gives the adapter a port; begins with a small letter or a command.
+    pub fn next_step(&self) -> String {
+        match self {
+            Self::Brltty => {
+                "`sudo apt remove brltty`, or `sudo systemctl mask brltty-udev.service` to keep it, then plug the \
+                             adapter in again"
+                    .to_owned()
+            }
+            Self::Taken => "end that program, then plug the adapter in again".to_owned(),
+            Self::NoDriver { driver } => format!(
+                "`sudo modprobe {driver}`; if that says that there is none, install the package linux-modules-extra of \
+                 this kernel"
             ),
-            NoPort::Taken => f.write_str(
-                "a program uses it directly, such as a virtual machine – end that program, then plug the adapter in again",
-            ),
-            NoPort::NoDriver { driver } => write!(
-                f,
-                "its driver is missing – `sudo modprobe {driver}`; if that says that there is none, install the package \
-                 linux-modules-extra of this kernel"
-            ),
+            Self::NoDriverOnWindows => {
+                "install its maker's driver; until then the Device Manager shows it under \"Other devices\"".to_owned()
+            }
         }
     }
 }
 
 /// The adapters that are plugged in without a port. Empty on systems that do not tell.
 pub fn adapters_without_port() -> Vec<WithoutPort> {
-    if cfg!(target_os = "linux") { look_through(Path::new("/")) } else { Vec::new() }
+    if cfg!(windows) {
+        without_driver(&devices_with_problems())
+    } else if cfg!(target_os = "linux") {
+        look_through(Path::new("/"))
+    } else {
+        Vec::new()
+    }
+}
+
+/// Those of known makers among the devices that Windows lists as plugged in and not working. The words around them are in
+/// the system's language; what is looked for is each device's own name, such as `USB\VID_1A86&PID_7523\5&2A1B`.
+fn without_driver(listed: &str) -> Vec<WithoutPort> {
+    let number = |line: &str, name: &str| {
+        let digits = line.split_once(name)?.1.get(..4)?;
+        u16::from_str_radix(digits, 16).ok()
+    };
+    let adapter = |line: &str| {
+        let line = line.to_ascii_uppercase();
+        let device = line.split_once("USB\\")?.1;
+        let (vendor, product) = (number(device, "VID_")?, number(device, "PID_")?);
+        let (_, maker, _) = *MAKERS.iter().find(|(number, ..)| *number == vendor)?;
+        Some(WithoutPort { maker, vendor, product, reason: NoPort::NoDriverOnWindows })
+    };
+    let mut found: Vec<_> = listed.lines().filter_map(adapter).collect();
+    found.sort_by_key(|adapter| (adapter.vendor, adapter.product));
+    found
+}
+
+/// How long what Windows has told is believed: it takes a program of its own, and a lost line is looked for twice a second.
+#[cfg(windows)]
+const BELIEVED_FOR: std::time::Duration = std::time::Duration::from_secs(5);
+
+/// What Windows tells of devices that are plugged in and have no driver (problem 28); empty where it does not tell.
+#[cfg(windows)]
+fn devices_with_problems() -> String {
+    use std::os::windows::process::CommandExt;
+    use std::sync::{Mutex, PoisonError};
+    use std::time::Instant;
+    const NO_WINDOW: u32 = 0x0800_0000;
+    static TOLD: Mutex<Option<(Instant, String)>> = Mutex::new(None);
+    let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, text)) = told.as_ref().filter(|(at, _)| at.elapsed() < BELIEVED_FOR) {
+        return text.clone();
+    }
+    let mut command = std::process::Command::new("pnputil");
+    let output = command.args(["/enum-devices", "/connected", "/problem", "28"]).creation_flags(NO_WINDOW).output();
+    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
+    *told = Some((Instant::now(), text.clone()));
+    text
+}
+
+#[cfg(not(windows))]
+fn devices_with_problems() -> String {
+    String::new()
 }
 
 /// As [`adapters_without_port`], with the files of a system below `root`.
@@ -174,5 +253,35 @@ mod tests {
     #[test]
     fn a_system_without_such_files_tells_nothing() {
         assert_eq!(look_through(Path::new("/nowhere")), []);
+    }
+}
+
+#[cfg(test)]
+mod windows_tests {
+    use super::*;
+
+    /// As a German Windows tells it: an adapter, a keyboard and an adapter of another kind.
+    const LISTED: &str = "Microsoft-PnP-Dienstprogramm\r\n\r\n\
+        Instanz-ID:                 USB\\VID_1A86&PID_7523\\5&2a1b3c&0&2\r\n\
+        Ger\u{e4}tebeschreibung:        USB Serial\r\nStatus:  Problem\r\nProblemcode: 28 (0x1C)\r\n\r\n\
+        Instanz-ID:                 HID\\VID_1A86&PID_0001\\6&1\r\n\
+        Instanz-ID:                 USB\\VID_046D&PID_C31C\\6&2\r\n\
+        Instanz-ID:                 usb\\vid_0403&pid_6001\\A1B2\r\n";
+
+    #[test]
+    fn an_adapter_without_driver_is_named_whatever_the_language_and_the_other_ports() {
+        let told: Vec<String> = without_driver(LISTED).iter().map(ToString::to_string).collect();
+        assert_eq!(told.len(), 2, "{told:?}");
+        assert!(
+            told[0].starts_with("An adapter of FTDI (0403:6001) is plugged in, but has no port: its driver is missing")
+        );
+        assert!(told[1].contains("WCH (1a86:7523)") && told[1].contains("Device Manager"), "{told:?}");
+    }
+
+    #[test]
+    fn a_system_that_does_not_tell_has_no_adapter_without_driver() {
+        for listed in ["", "USB\\VID_", "USB\\VID_1A86", "USB\\VID_1A8\u{e4}&PID_7523", "\u{fffd}USB\\PID_7523"] {
+            assert_eq!(without_driver(listed), [], "{listed}");
+        }
     }
 }

@@ -71,8 +71,11 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
     };
     match found {
         Some(bytes) => {
-            let terminator = usize::from(matches!(expected, Expected::Dcon { .. }));
-            let noise = bytes.len().saturating_add(terminator) != trim_line_feed(rest).len();
+            let is_dcon = matches!(expected, Expected::Dcon { .. });
+            let terminator = usize::from(is_dcon);
+            // The last byte of a CRC may be 0A, and is no line feed.
+            let heard = if is_dcon { trim_line_feed(rest) } else { rest };
+            let noise = bytes.len().saturating_add(terminator) != heard.len();
             let meant = |bytes: &[u8]| bytes.iter().filter(|byte| !is_noise(**byte)).count();
             let surplus = meant(rest) > meant(&bytes).saturating_add(terminator);
             Verdict::Answer { bytes, echo, noise, surplus }
@@ -210,6 +213,7 @@ pub fn is_noise(byte: u8) -> bool {
     matches!(byte, 0x00 | 0xFF | b'\n')
 }
 
+/// Some modules send a line feed behind the CR.
 fn trim_line_feed(bytes: &[u8]) -> &[u8] {
     bytes.strip_suffix(b"\n").unwrap_or(bytes)
 }
@@ -227,6 +231,20 @@ mod tests {
 
     fn dcon(checksum: bool) -> Expected {
         Expected::Dcon { checksum, from: AnswerFrom::Addresses(vec![1]) }
+    }
+
+    #[test]
+    fn a_crc_that_ends_in_a_line_feed_is_no_noise_and_a_line_feed_behind_it_is() {
+        let ends_so = |number: &u16| modbus::with_crc(&[1, 3, 2, (number >> 8) as u8, *number as u8]).ends_with(b"\n");
+        let value = (0..=u16::MAX).find(ends_so).unwrap();
+        let mut answer = modbus::with_crc(&[1, 3, 2, (value >> 8) as u8, value as u8]);
+        let noisy = |bytes: &[u8]| match so_far(&modbus::with_crc(READ), &rtu(), bytes, false) {
+            Verdict::Answer { noise, .. } => noise,
+            other => panic!("{other:?}"),
+        };
+        assert!(!noisy(&answer));
+        answer.push(b'\n');
+        assert!(noisy(&answer));
     }
 
     fn answer_of(verdict: Verdict) -> Option<Vec<u8>> {

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::problem::LineProblem;
+use super::problem::{LineProblem, Obstacle};
 use super::scan::{ScanPlan, ScanProgress, ScanSummary};
 use super::tap::Frame;
 use super::target::{LineAddress, Target, Tuning};
@@ -101,7 +101,7 @@ pub enum BusEvent {
     },
     /// The lost line's adapter is there, but the line cannot be taken up; told when the reason changes.
     StillLost {
-        reason: String,
+        obstacle: Obstacle,
     },
     /// The port is there again, with its settings; perhaps under another name.
     LineRestored {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::adapters::{adapters_without_port, holder};
+use super::adapters::{WithoutPort, adapters_without_port, holder};
 
 /// A line that could not be opened: what happened and the step that cures it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,7 +15,8 @@ pub struct LineProblem {
 pub enum ProblemKind {
     NoSuchPort {
         present: Vec<String>,
-        hints: Vec<String>,
+        /// Adapters that are plugged in and have no port.
+        portless: Vec<WithoutPort>,
     },
     PermissionDenied,
     /// Held by this program, if the system tells.
@@ -27,14 +28,22 @@ pub enum ProblemKind {
     Other(String),
 }
 
+/// Why a lost line cannot be taken up although its adapter is there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Obstacle {
+    NotOpened(LineProblem),
+    WithoutPort(WithoutPort),
+}
+
 impl std::error::Error for LineProblem {}
 
 impl fmt::Display for LineProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { line, kind } = self;
         match kind {
-            ProblemKind::NoSuchPort { hints, .. } if !hints.is_empty() => {
-                write!(f, "There is no port {line}. {}", hints.join(". "))
+            ProblemKind::NoSuchPort { portless, .. } if !portless.is_empty() => {
+                let told: Vec<String> = portless.iter().map(ToString::to_string).collect();
+                write!(f, "There is no port {line}. {}", told.join(". "))
             }
             ProblemKind::NoSuchPort { present, .. } if present.is_empty() => {
                 write!(
@@ -44,7 +53,8 @@ impl fmt::Display for LineProblem {
                 if cfg!(windows) { f.write_str(NO_DRIVER_ON_WINDOWS) } else { Ok(()) }
             }
             ProblemKind::NoSuchPort { present, .. } => {
-                write!(f, "There is no port {line} – present are {}", present.join(", "))
+                write!(f, "There is no port {line} – present are {}", present.join(", "))?;
+                if cfg!(windows) { f.write_str(NO_DRIVER_ON_WINDOWS) } else { Ok(()) }
             }
             ProblemKind::PermissionDenied if cfg!(windows) => {
                 write!(f, "Access to {line} was denied – another program has it open: close it and try again")
@@ -76,7 +86,7 @@ impl fmt::Display for LineProblem {
 }
 
 /// Where Windows shows an adapter that has no driver.
-const NO_DRIVER_ON_WINDOWS: &str = "; if it is plugged in, the Device Manager shows it under \"Other devices\": install its \
+const NO_DRIVER_ON_WINDOWS: &str = "; if the adapter is plugged in, the Device Manager shows it under \"Other devices\": install its \
                                     maker's driver";
 
 impl LineProblem {
@@ -97,20 +107,19 @@ impl LineProblem {
             }
             _ if text.contains("busy") || text.contains("exclusive") => ProblemKind::Busy { by: holder(line) },
             serialport::ErrorKind::NoDevice if text.contains("no such") || !exists(line) => {
-                ProblemKind::NoSuchPort { present, hints: hints() }
+                ProblemKind::NoSuchPort { present, portless: adapters_without_port() }
             }
-            serialport::ErrorKind::Io(Io::NotFound) => ProblemKind::NoSuchPort { present, hints: hints() },
-            _ if text.contains("cannot find the file") => ProblemKind::NoSuchPort { present, hints: hints() },
+            serialport::ErrorKind::Io(Io::NotFound) => {
+                ProblemKind::NoSuchPort { present, portless: adapters_without_port() }
+            }
+            _ if text.contains("cannot find the file") => {
+                ProblemKind::NoSuchPort { present, portless: adapters_without_port() }
+            }
             serialport::ErrorKind::NoDevice => ProblemKind::Busy { by: holder(line) },
             _ => ProblemKind::Other(error.description.clone()),
         };
         Self { line: line.to_owned(), kind }
     }
-}
-
-/// Adapters that are there, but have no port.
-fn hints() -> Vec<String> {
-    adapters_without_port().iter().map(ToString::to_string).collect()
 }
 
 /// Windows names are not paths; there only the error's text tells.

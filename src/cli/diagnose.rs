@@ -2,7 +2,7 @@
 
 mod examination;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jiff::Timestamp;
@@ -10,12 +10,14 @@ use jiff::Timestamp;
 use super::line_args::{LineArgs, ModuleWord};
 use super::output;
 use super::session::{self, Session};
+use super::signals::Interrupt;
 use super::{Outcome, Stop};
 use crate::bench::traffic::{FrameRef, TrafficLog, explain_frame};
-use crate::bus::{LatencyTimer, LineAddress, Target, ports};
+use crate::bus::{LatencyTimer, LineAddress, Target, Tuning, ports};
 use crate::diagnosis::bundle::{Bundle, Traffic, gather, last_frames};
 use crate::diagnosis::{DEFAULT_READS, READS, Report};
 use crate::protocol::Protocol;
+use crate::record::check_writable;
 use examination::Examination;
 
 /// Options of `diagnose`.
@@ -26,7 +28,11 @@ use examination::Examination;
                   the same many times: from the answers, their times and what failed, it tells two modules at one address \
                   from noise and from a timeout that is too short. Without --address, modules are looked for first where \
                   they are out of the box: at 1 and 160 to 191, in both protocols. If nothing answers there, the other \
-                  speeds are tried.\n\nThe exit code is 0 when nothing is wrong, 1 when something needs attention.",
+                  speeds are tried. What it is doing is told on standard error.\n\nEach read is listened for half a second, \
+                  or for --timeout if that is longer; what answers after --timeout is told as too late, and of what fails \
+                  it is told whether --repeats would have helped.\n\nAn interrupt (Ctrl-C) ends it early: what was heard \
+                  until then is told, and the bundle written. The exit code is 0 when nothing is wrong, 1 when something \
+                  needs attention or it was ended early.",
     after_help = "Examples:\n  dcon-bench diagnose --port /dev/ttyUSB0\n  dcon-bench diagnose --port /dev/ttyUSB0 --address 1\n  \
                   dcon-bench diagnose --port COM3 --address 1 --address 163:dcon --reads 200 --json\n  dcon-bench diagnose \
                   --port COM3 --bundle for-support.zip"
@@ -56,14 +62,17 @@ fn reads(text: &str) -> Result<u32, String> {
 
 pub fn run(args: &DiagnoseArgs) -> Outcome {
     let places = places(args)?;
+    args.bundle.as_deref().map_or(Ok(()), check_bundle)?;
+    let mut examination = Examination::new(Interrupt::catch()?, args.line.tuning());
     let catalogue = session::catalogue();
-    let mut examination = Examination::default();
-    examination.diagnosis.note_adapter(adapter(&args.line.address()));
+    let line = args.line.address();
+    examination.diagnosis.note_adapter(adapter(&line));
+    examination.tell(&opening(args, &line));
     match Session::try_open(&args.line, &catalogue)? {
         Err(problem) => examination.diagnosis.note_problem(problem),
         Ok(session) => examine(&mut examination, &session, args, &places)?,
     }
-    let report = examination.report(&args.line.address().to_string(), Timestamp::now());
+    let report = examination.report(&line.to_string(), Timestamp::now());
     if args.json {
         output::json(&report)?;
     } else {
@@ -75,7 +84,29 @@ pub fn run(args: &DiagnoseArgs) -> Outcome {
         written.map_err(|error| Stop::failed(format!("{} could not be written: {error}", path.display())))?;
         output::message(&format!("{} written; look through it before you pass it on", path.display()));
     }
-    if report.is_wrong() || report.modules.is_empty() { Err(Stop::Reported) } else { Ok(()) }
+    let is_wrong = report.is_wrong() || report.modules.is_empty() || report.stopped_early.is_some();
+    if is_wrong { Err(Stop::Reported) } else { Ok(()) }
+}
+
+/// Before anything is asked: whether the bundle can be written at the end.
+fn check_bundle(path: &Path) -> Outcome {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Stop::usage(format!("there is no folder {} – make it, or choose another", folder.display())));
+    }
+    if path.is_dir() {
+        return Err(Stop::usage(format!("{} is a folder: add the name of a file", path.display())));
+    }
+    check_writable(path).map_err(|error| {
+        Stop::failed(format!("{} cannot be written ({error}) – choose another place for the bundle", path.display()))
+    })
+}
+
+fn opening(args: &DiagnoseArgs, line: &LineAddress) -> String {
+    let settings = if args.line.is_tcp() { String::new() } else { format!(" at {}", args.line.settings()) };
+    let Tuning { timeout, repeats } = args.line.tuning();
+    let timeout = timeout.as_millis();
+    format!("Opening {line}{settings}; timeout {timeout} ms, repeats {repeats}")
 }
 
 /// Each module to test, in the protocols in which it may answer.

@@ -80,6 +80,11 @@ impl LineArgs {
         Tuning { timeout, repeats }
     }
 
+    /// The timeout, if one was given.
+    pub fn given_timeout(&self) -> Option<Duration> {
+        self.timeout
+    }
+
     /// The speed, if one was given.
     pub fn given_baud_rate(&self) -> Option<BaudRate> {
         self.baud_rate

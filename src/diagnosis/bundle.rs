@@ -8,7 +8,7 @@ use jiff::Timestamp;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::Report;
+use super::{Report, adapter_in_words};
 use crate::bus::{Frame, PortInfo};
 use crate::capture::{CaptureWriter, Form};
 use crate::folders;
@@ -75,6 +75,8 @@ pub struct Bundle {
     pub ports: Vec<PortInfo>,
     /// The text of the settings file, if there is one.
     pub settings: Option<String>,
+    /// How the program was started: its arguments, the program's name first.
+    pub command: Vec<String>,
     /// Further files, such as the last traffic.
     pub parts: Vec<Part>,
 }
@@ -85,7 +87,8 @@ pub struct Bundle {
 /// If the traffic cannot be ended.
 pub fn gather(report: Report, ports: Vec<PortInfo>, traffic: Traffic) -> io::Result<Bundle> {
     let settings = folders::config().and_then(|folder| std::fs::read_to_string(folder.join("settings.toml")).ok());
-    Ok(Bundle { report, ports, settings, parts: traffic.into_parts()? })
+    let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    Ok(Bundle { report, ports, settings, command, parts: traffic.into_parts()? })
 }
 
 const README: &str = "\
@@ -93,6 +96,7 @@ What is in this file
 
 report.txt      what was found on the line, for people
 report.json     the same for programs
+setup.txt       line, timeout, repeats and the adapter's latency timer; how the program was started
 versions.txt    program and operating system
 ports.json      the serial ports of the computer
 settings.toml   the settings of the program, if there are any
@@ -138,12 +142,60 @@ impl Bundle {
             Part::new("README.txt", README),
             Part::new("report.txt", self.report.to_string()),
             Part::new("report.json", serde_json::to_vec_pretty(&self.report)?),
+            Part::new("setup.txt", setup(&self.report, &self.command)),
             Part::new("versions.txt", versions(&self.report.program, self.report.made_at)),
             Part::new("ports.json", serde_json::to_vec_pretty(&self.ports)?),
         ];
         parts.extend(self.settings.as_deref().map(|text| Part::new("settings.toml", text)));
         Ok(parts)
     }
+}
+
+fn setup(report: &Report, command: &[String]) -> String {
+    let line = &report.line;
+    let latency = line.adapter.as_ref().map_or_else(|| "none is known of".to_owned(), adapter_in_words);
+    let rows = [
+        ("line", line.name.clone()),
+        ("timeout", format!("{} ms", line.timeout_ms)),
+        ("repeats", line.repeats.to_string()),
+        ("latency timer", latency),
+        ("command line", without_secrets(command)),
+    ];
+    rows.iter().map(|(name, text)| format!("{name:<14} {text}\n")).collect()
+}
+
+/// The command line as it would be typed, without the program's folder and without what nobody else should know: values
+/// whose names sound like keys or passwords, and what stands before the @ of a host.
+fn without_secrets(command: &[String]) -> String {
+    let Some((program, words)) = command.split_first() else { return String::new() };
+    let name = Path::new(program).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut told = vec![name];
+    let mut hide_next = false;
+    for word in words {
+        let hidden = std::mem::replace(&mut hide_next, word.starts_with("--") && sounds_secret(word));
+        told.push(if hidden { HIDDEN.to_owned() } else { typed(&without_secret(word)) });
+    }
+    told.join(" ")
+}
+
+/// Stands where something was left out.
+const HIDDEN: &str = "…";
+
+fn sounds_secret(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    ["key", "pass", "secret", "token", "psk"].iter().any(|part| name.contains(part))
+}
+
+fn without_secret(word: &str) -> String {
+    match (word.split_once('='), word.rsplit_once('@')) {
+        (Some((name, _)), _) if sounds_secret(name) => format!("{name}={HIDDEN}"),
+        (_, Some((before, host))) if before.contains(':') => format!("{HIDDEN}@{host}"),
+        _ => word.to_owned(),
+    }
+}
+
+fn typed(word: &str) -> String {
+    if word.is_empty() || word.contains([' ', '"', '\'']) { format!("{word:?}") } else { word.to_owned() }
 }
 
 fn versions(program: &str, at: Timestamp) -> String {
@@ -173,7 +225,8 @@ mod tests {
         let parts = traffic.into_parts().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("help.zip");
-        Bundle { report, ports: Vec::new(), settings, parts }.write(&path).unwrap();
+        let command = ["/usr/bin/dcon-bench", "diagnose", "--port", "COM3"].map(str::to_owned).to_vec();
+        Bundle { report, ports: Vec::new(), settings, command, parts }.write(&path).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no part is left");
         let mut zip = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
         let names: Vec<String> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
@@ -183,6 +236,7 @@ mod tests {
                 "README.txt",
                 "report.txt",
                 "report.json",
+                "setup.txt",
                 "versions.txt",
                 "ports.json",
                 "settings.toml",
@@ -196,9 +250,27 @@ mod tests {
             text
         };
         assert!(text("README.txt").contains("Wi-Fi"));
+        let setup = text("setup.txt");
+        for row in
+            ["timeout        200 ms", "repeats        2", "latency timer  none", "dcon-bench diagnose --port COM3"]
+        {
+            assert!(setup.contains(row), "{row}\n{setup}");
+        }
         assert!(text("versions.txt").contains(env!("CARGO_PKG_VERSION")));
         assert_eq!(text("settings.toml"), "theme = \"dark\"\n");
         let json: serde_json::Value = serde_json::from_str(&text("report.json")).unwrap();
         assert_eq!(json["line"]["name"], "COM3");
+    }
+
+    #[test]
+    fn the_command_line_is_told_without_secrets() {
+        let told = |words: &[&str]| without_secrets(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
+        assert_eq!(
+            told(&["C:/x/dcon-bench.exe", "set", "wifi_key=abc", "name=a b"]),
+            "dcon-bench set wifi_key=… \"name=a b\""
+        );
+        assert_eq!(told(&["dcon-bench", "--tcp", "me:hidden@host:502"]), "dcon-bench --tcp …@host:502");
+        assert_eq!(told(&["dcon-bench", "--password", "abc", "x"]), "dcon-bench --password … x");
+        assert_eq!(told(&[]), "");
     }
 }

@@ -2,14 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 use serde::Serialize;
 
-use super::histogram::{Histogram, Times};
+use super::histogram::{Histogram, Times, milliseconds};
+use super::medium::Medium;
 use super::outcome::{FailureKind, Outcome};
 use super::station::{answer_time, fingerprint};
 use super::surplus::{Heard, Surplus};
-use crate::bus::{Direction, Frame, RawRequest, Target};
+use crate::bus::{Direction, Frame, RawRequest, Target, Tuning};
 use crate::protocol::{Failure, Protocol, dcon, modbus};
 
 /// Reads unless told otherwise.
@@ -38,6 +40,8 @@ pub enum Judgement {
     /// Bytes come, and none make sense.
     Unreadable,
     Noise,
+    /// Some answers came after the timeout.
+    Late,
     /// Some reads had no answer.
     Lossy,
     NoAnswer,
@@ -55,6 +59,7 @@ impl Judgement {
             Self::SameErrors => "broken in the same way each time",
             Self::Unreadable => "not readable",
             Self::Noise => "noise",
+            Self::Late => "answers come too late",
             Self::Lossy => "answers get lost",
             Self::NoAnswer => "no answer",
             Self::Interrupted => "interrupted",
@@ -82,10 +87,14 @@ pub struct Consistency {
     pub second_answers: u32,
     /// Reads behind whose answers more bytes came that are no answer.
     pub followed: u32,
-    /// Answers that came when their read had been given up.
+    /// Answers that came after the timeout; a test listens longer, so that their times are known.
     pub late: u32,
+    /// Those of them that came while the test still listened.
+    pub slow: u32,
     /// Answers with stray bytes around them.
     pub noisy: u32,
+    /// Reads that would have brought nothing, each asked again as often as is set.
+    pub lost_in_spite_of_repeats: u32,
     pub times: Option<Times>,
     pub judgement: Judgement,
     /// The same in a sentence.
@@ -97,6 +106,7 @@ pub struct Consistency {
 #[derive(Debug, Clone)]
 pub struct ConsistencyTest {
     target: Target,
+    tuning: Tuning,
     wanted: u32,
     reads: u32,
     answers: BTreeMap<u64, u32>,
@@ -106,7 +116,11 @@ pub struct ConsistencyTest {
     second_answers: u32,
     followed: u32,
     late: u32,
+    slow: u32,
     noisy: u32,
+    /// Reads in a row that would have been asked again.
+    failed_in_a_row: u8,
+    lost_in_spite_of_repeats: u32,
     /// Reads that were not sent because somebody else was in a hurry.
     postponed: u32,
     times: Histogram,
@@ -114,16 +128,20 @@ pub struct ConsistencyTest {
     request: Vec<u8>,
     heard: Heard,
     is_silent: bool,
+    /// What came on it came after the timeout.
+    is_late: bool,
     /// The last frame that was sent is one of the test's.
     is_own: bool,
     lost: bool,
 }
 
 impl ConsistencyTest {
-    pub fn new(target: Target, reads: u32) -> Self {
+    /// A test of `target` as patient as `tuning` says.
+    pub fn new(target: Target, reads: u32, tuning: Tuning) -> Self {
         let wanted = reads.clamp(*READS.start(), *READS.end());
         Self {
             target,
+            tuning: tuning.within_limits(),
             wanted,
             reads: 0,
             answers: BTreeMap::new(),
@@ -133,12 +151,16 @@ impl ConsistencyTest {
             second_answers: 0,
             followed: 0,
             late: 0,
+            slow: 0,
             noisy: 0,
+            failed_in_a_row: 0,
+            lost_in_spite_of_repeats: 0,
             postponed: 0,
             times: Histogram::default(),
             request: Vec::new(),
             heard: Heard::default(),
             is_silent: false,
+            is_late: false,
             is_own: false,
             lost: false,
         }
@@ -176,7 +198,7 @@ impl ConsistencyTest {
         if frame.direction == Direction::Sent {
             self.is_own = self.is_request(frame);
             self.request.clone_from(&frame.bytes);
-            (self.heard, self.is_silent) = (Heard::default(), false);
+            (self.heard, self.is_silent, self.is_late) = (Heard::default(), false, false);
             return;
         }
         if !self.is_own {
@@ -185,13 +207,20 @@ impl ConsistencyTest {
         match Outcome::of(frame) {
             Some(Outcome::Unasked) => self.followed_by(frame),
             Some(Outcome::Answer | Outcome::Refusal(_)) => {
-                self.times.add(answer_time(frame));
+                let time = answer_time(frame);
+                self.times.add(time);
+                self.is_late = time > self.limit();
                 self.heard = Heard::of(frame, Some(&self.request));
                 self.count(Surplus::around(frame, Some(&self.request)));
             }
             Some(Outcome::Failed(FailureKind::NoAnswer)) => self.is_silent = true,
             _ => {}
         }
+    }
+
+    /// What takes longer is too late for the other commands.
+    fn limit(&self) -> Duration {
+        self.tuning.timeout.saturating_add(Medium::of(self.target.protocol).allowance())
     }
 
     /// What came behind a read is a second answer to it, or the first if it had been given up.
@@ -221,6 +250,10 @@ impl ConsistencyTest {
             return;
         }
         self.reads = self.reads.saturating_add(1);
+        let is_late = std::mem::take(&mut self.is_late);
+        self.slow = self.slow.saturating_add(u32::from(is_late));
+        self.late = self.late.saturating_add(u32::from(is_late));
+        self.count_repeats(is_late || result.as_ref().is_err_and(|failure| !failure.is_refusal()));
         match result {
             Ok(answer) if self.is_others(answer) => self.failed(FailureKind::WrongAddress, answer),
             Ok(answer) => {
@@ -239,6 +272,15 @@ impl ConsistencyTest {
                 let count = self.answers.entry(fingerprint(refusal.to_string().as_bytes())).or_default();
                 *count = count.saturating_add(1);
             }
+        }
+    }
+
+    /// Each failed read stands for one that is asked again, until one succeeds or all repeats are used up.
+    fn count_repeats(&mut self, failed: bool) {
+        self.failed_in_a_row = if failed { self.failed_in_a_row.saturating_add(1) } else { 0 };
+        if self.failed_in_a_row > self.tuning.repeats {
+            self.lost_in_spite_of_repeats = self.lost_in_spite_of_repeats.saturating_add(1);
+            self.failed_in_a_row = 0;
         }
     }
 
@@ -298,11 +340,11 @@ impl ConsistencyTest {
         let beside = self.noisy > 0 || self.followed > 0 || self.copies > 0 || self.second_answers > 0;
         if self.lost {
             Judgement::Interrupted
-        } else if self.silences() == self.reads {
+        } else if self.silences() == self.reads && self.late == 0 {
             Judgement::NoAnswer
         } else if self.voices() > 1 || self.second_answers >= NO_CHANCE {
             Judgement::Doubled
-        } else if self.copies >= NO_CHANCE {
+        } else if self.copies >= NO_CHANCE && self.copies > self.late {
             Judgement::Twice
         } else if self.answers.is_empty() && broken > NO_CHANCE && self.forms.len() == 1 {
             Judgement::SameErrors
@@ -310,6 +352,9 @@ impl ConsistencyTest {
             Judgement::Unreadable
         } else if collide || self.voices() == 0 && odd > 1 {
             Judgement::DoubledOrNoise
+        } else if self.late > 0 && broken == 0 && self.answers.len() < 2 && self.noisy == 0 && self.followed == 0 {
+            // What comes late looks like a second copy behind the next read's answer.
+            Judgement::Late
         } else if broken > 0 || self.answers.len() > 1 || beside {
             Judgement::Noise
         } else if self.silences() > 0 {
@@ -333,7 +378,9 @@ impl ConsistencyTest {
             second_answers: self.second_answers,
             followed: self.followed,
             late: self.late,
+            slow: self.slow,
             noisy: self.noisy,
+            lost_in_spite_of_repeats: self.lost_in_spite_of_repeats,
             times: self.times.times(),
             judgement: self.judge(),
             said: self.say(answers),
@@ -355,13 +402,31 @@ impl ConsistencyTest {
             (self.copies, "came twice"),
             (self.second_answers, "followed by another answer"),
             (self.followed, "followed by more bytes"),
-            (self.late, "came too late"),
             (self.noisy, "with stray bytes"),
         ] {
             if count > 0 {
                 parts.push(format!("{count} {what}"));
             }
         }
+        if self.late > 0 {
+            parts.push(format!("{} came later than the timeout of {} ms", self.late, milliseconds(self.limit())));
+        }
+        if self.silences() > 0 || self.late > 0 || self.broken() > 0 {
+            parts.push(self.say_repeats());
+        }
         parts.join("; ")
+    }
+
+    fn say_repeats(&self) -> String {
+        let again = match self.tuning.repeats {
+            0 => "without asking again, as is set".to_owned(),
+            1 => "asked again once, as is set".to_owned(),
+            repeats => format!("asked again at most {repeats} times, as is set"),
+        };
+        match self.lost_in_spite_of_repeats {
+            0 => format!("{again}, every read would have succeeded"),
+            1 => format!("{again}, 1 read would have failed"),
+            lost => format!("{again}, {lost} reads would have failed"),
+        }
     }
 }

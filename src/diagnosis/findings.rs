@@ -3,6 +3,7 @@
 use jiff::Timestamp;
 use serde::Serialize;
 
+use super::medium::Medium;
 use super::occurrences::Occurrences;
 use super::texts::Symptom;
 use crate::bus::Target;
@@ -76,6 +77,17 @@ impl Finding {
         Self { severity: Severity::Note, symptom, module: None, title, evidence, cause, next_step }
     }
 
+    /// With the cause and the next step of this kind of line, unless more is known than what is likely.
+    #[must_use]
+    fn on(self, medium: Medium) -> Self {
+        match self.symptom.over_network() {
+            Some((cause, next_step)) if medium == Medium::Network && self.cause == self.symptom.cause() => {
+                Self { cause: cause.to_owned(), next_step: next_step.to_owned(), ..self }
+            }
+            _ => self,
+        }
+    }
+
     fn at(self, target: Target) -> Self {
         Self { module: Some(target), ..self }
     }
@@ -107,7 +119,7 @@ fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
-fn plural(count: u64, one: &str, many: &str) -> String {
+pub(super) fn plural(count: u64, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 

@@ -114,7 +114,7 @@ impl Histogram {
 }
 
 /// In milliseconds.
-pub fn milliseconds(time: Duration) -> f64 {
+pub(super) fn milliseconds(time: Duration) -> f64 {
     time.as_micros() as f64 / 1000.0
 }
 

@@ -9,6 +9,7 @@ mod consistency;
 mod findings;
 mod histogram;
 mod line;
+mod medium;
 mod occurrences;
 mod outcome;
 mod rates;
@@ -24,21 +25,22 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use crate::bus::{Direction, Frame, LatencyTimer, LineProblem, Target};
+use crate::bus::{Direction, Frame, LatencyTimer, LineProblem, ProblemKind, Target, Tuning, may_be_probe};
 use crate::protocol::{LineSettings, Protocol};
 
 pub use consistency::{Consistency, ConsistencyTest, DEFAULT_READS, Judgement, READS};
 pub use findings::{Finding, Severity};
 pub use histogram::{Bar, Histogram, Times};
 pub use line::LineFacts;
+pub use medium::Medium;
 pub use occurrences::Occurrences;
 pub use outcome::{FailureKind, Outcome, RefusalKind};
 pub use rates::{Rates, SLOT_SECONDS, Slot};
-pub use report::{Adapter, LineReport, ModuleReport, Report};
+pub use report::{Adapter, LineReport, ModuleReport, Report, adapter_in_words, noise_in_words};
 pub use station::Station;
 use surplus::{Heard, Surplus};
 pub use texts::Symptom;
-pub use timeout::{SuggestedTimeout, suggest};
+pub use timeout::{SuggestedTimeout, TimeoutAdvice, Waiting, suggest};
 
 /// Modules kept at most.
 pub const MOST_STATIONS: usize = 256;
@@ -55,6 +57,9 @@ pub struct Diagnosis {
     heard: Heard,
     adapter: Option<LatencyTimer>,
     problem: Option<LineProblem>,
+    /// How patient the line is.
+    tuning: Tuning,
+    medium: Medium,
 }
 
 #[derive(Debug, Clone)]
@@ -62,11 +67,14 @@ struct Request {
     target: Target,
     bytes: Vec<u8>,
     failed: bool,
+    /// The request before, to the same module, has failed.
+    after_failure: bool,
 }
 
 impl Diagnosis {
     /// Takes in what passed the line. Frames come in the order of the line.
     pub fn take(&mut self, frame: &Frame) {
+        self.medium = Medium::of(frame.protocol);
         match frame.direction {
             Direction::Sent => self.sent(frame),
             Direction::Received => self.received(frame),
@@ -78,8 +86,16 @@ impl Diagnosis {
         self.adapter = adapter;
     }
 
+    /// How patient the line is from now on.
+    pub fn note_tuning(&mut self, tuning: Tuning) {
+        self.tuning = tuning.within_limits();
+    }
+
     /// The line could not be opened.
     pub fn note_problem(&mut self, problem: LineProblem) {
+        if matches!(problem.kind, ProblemKind::NotReached(_)) {
+            self.medium = Medium::Network;
+        }
         self.problem = Some(problem);
     }
 
@@ -111,6 +127,21 @@ impl Diagnosis {
         self.adapter.as_ref()
     }
 
+    /// How patient the line is.
+    pub fn tuning(&self) -> Tuning {
+        self.tuning
+    }
+
+    pub fn medium(&self) -> Medium {
+        self.medium
+    }
+
+    /// How long answers are waited for.
+    pub fn waiting(&self) -> Waiting {
+        let latency_ms = self.adapter.as_ref().and_then(|timer| timer.milliseconds);
+        Waiting { in_use: self.tuning.timeout, latency_ms, medium: self.medium }
+    }
+
     pub fn problem(&self) -> Option<&LineProblem> {
         self.problem.as_ref()
     }
@@ -127,13 +158,14 @@ impl Diagnosis {
             return;
         };
         let before = self.last.take().filter(|last| last.failed && last.target == target);
+        let after_failure = before.is_some();
         if before.is_some_and(|last| last.bytes == frame.bytes) {
             match self.stations.get_mut(&target) {
                 Some(station) => station::count(&mut station.repeats),
                 None => self.line.insist(target),
             }
         }
-        self.last = Some(Request { target, bytes: frame.bytes.clone(), failed: false });
+        self.last = Some(Request { target, bytes: frame.bytes.clone(), failed: false, after_failure });
     }
 
     fn received(&mut self, frame: &Frame) {
@@ -142,17 +174,23 @@ impl Diagnosis {
             Outcome::Unasked => {
                 let after_silence = self.last.as_ref().is_some_and(|last| last.failed);
                 let what = self.heard.behind(frame);
+                if after_silence && what.is_whole() {
+                    self.late_from_last();
+                }
                 return self.line.take_unasked(frame, what, after_silence);
             }
             Outcome::LineLost => return self.line.losses.add(frame.at),
             _ => {}
         }
         let Some(target) = target_of(frame) else { return };
-        let mut request = Vec::new();
+        let (mut request, mut after_failure) = (Vec::new(), false);
         if let Some(last) = self.last.as_mut().filter(|last| last.target == target) {
             last.failed = matches!(outcome, Outcome::Failed(_));
             request.clone_from(&last.bytes);
+            after_failure = last.after_failure;
         }
+        let is_probe = matches!(outcome, Outcome::Refusal(_)) && may_be_probe(frame.protocol, &request);
+        let outcome = if is_probe { Outcome::Answer } else { outcome };
         let is_ordinary = !matches!(outcome, Outcome::Failed(_));
         let around = if is_ordinary { Surplus::around(frame, Some(&request)) } else { Surplus::Nothing };
         self.heard = if is_ordinary { Heard::of(frame, Some(&request)) } else { Heard::default() };
@@ -167,6 +205,16 @@ impl Diagnosis {
         self.line.heard_at(&target);
         if let Some(station) = self.station_for(target) {
             station.take(frame, outcome, &request, around);
+        }
+        if around == Surplus::Other && after_failure {
+            self.late_from_last();
+        }
+    }
+
+    /// An answer to the last request, or to the one before, came when it was not waited for any more.
+    fn late_from_last(&mut self) {
+        if let Some(station) = self.last.as_ref().and_then(|last| self.stations.get_mut(&last.target)) {
+            station::count(&mut station.late);
         }
     }
 

@@ -15,6 +15,7 @@ use super::station::Station;
 use super::timeout::{SuggestedTimeout, suggest};
 use super::{Consistency, Diagnosis};
 use crate::bus::Target;
+pub use text::{adapter_in_words, noise_in_words};
 
 /// Bars of a histogram at most.
 pub const MOST_BARS: usize = 16;
@@ -27,6 +28,8 @@ type Place<'a> = (&'a Target, &'a Station);
 pub struct Report {
     pub made_at: Timestamp,
     pub program: String,
+    /// Why the line was not looked at as long as was wanted; `None` if it was.
+    pub stopped_early: Option<String>,
     pub line: LineReport,
     /// Those that answered, and places from which bytes came that cannot be read.
     pub modules: Vec<ModuleReport>,
@@ -49,6 +52,9 @@ pub struct LineReport {
     /// Addresses that never answered; they count nowhere else.
     pub silent_addresses: u32,
     pub adapter: Option<Adapter>,
+    /// The timeout and the repeats in use.
+    pub timeout_ms: u64,
+    pub repeats: u8,
     pub suggested_timeout: Option<SuggestedTimeout>,
 }
 
@@ -99,7 +105,7 @@ impl Diagnosis {
         let module = |(target, station)| self.module_report(target, station, at, name(target).unwrap_or_default());
         let mut modules: Vec<ModuleReport> = shown.map(module).collect();
         modules.sort_by_key(|module| module.target);
-        Report { made_at: at, program, line: self.line_report(line, at, &unread), modules }
+        Report { made_at: at, program, stopped_early: None, line: self.line_report(line, at, &unread), modules }
     }
 
     /// Those that were heard or tested, and those from which only unreadable bytes came; without places whose address
@@ -117,7 +123,9 @@ impl Diagnosis {
         let heard = || self.stations().map(|(_, station)| station).filter(|station| station.is_heard());
         let mut times = Histogram::default();
         heard().for_each(|station| times.merge(&station.times));
-        let lost = heard().map(|station| station.failures(FailureKind::NoAnswer)).sum();
+        let late = self.stations().filter(|(_, station)| station.is_heard());
+        let late = late.map(|(target, station)| self.late_at(target, station)).sum();
+        let tuning = self.tuning();
         LineReport {
             name: name.to_owned(),
             findings: findings::of_line(self, at, unread),
@@ -136,7 +144,9 @@ impl Diagnosis {
                 latency_timer_ms: timer.milliseconds,
                 how_to_change: if timer.is_slow() { timer.how_to_change() } else { String::new() },
             }),
-            suggested_timeout: suggest(&times, self.latency(), lost),
+            timeout_ms: u64::try_from(tuning.timeout.as_millis()).unwrap_or(u64::MAX),
+            repeats: tuning.repeats,
+            suggested_timeout: suggest(&times, self.waiting(), late),
         }
     }
 
@@ -163,13 +173,14 @@ impl Diagnosis {
             answer_time: station.times.times(),
             histogram: station.times.bars(MOST_BARS),
             rates: Rates::slots(&station.rates).collect(),
-            suggested_timeout: suggest(&station.times, self.latency(), station.failures(FailureKind::NoAnswer)),
+            suggested_timeout: suggest(&station.times, self.waiting(), self.late_at(target, station)),
             consistency: test.cloned(),
         }
     }
 
-    fn latency(&self) -> Option<u32> {
-        self.adapter().and_then(|timer| timer.milliseconds)
+    /// Answers of a module that came too late.
+    fn late_at(&self, target: &Target, station: &Station) -> u64 {
+        station.late_with(self.test(target))
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Duration;
 
+use super::consistency::Consistency;
 use super::histogram::Histogram;
 use super::occurrences::Occurrences;
 use super::outcome::{FailureKind, Outcome, RefusalKind};
@@ -31,6 +32,8 @@ pub struct Station {
     pub echoes: u64,
     /// Answers with stray bytes around them.
     pub noisy: Occurrences,
+    /// Answers that came when they were not waited for any more.
+    pub late: u64,
     /// Silences since it answered last.
     pub silent_now: u64,
     pub times: Histogram,
@@ -100,6 +103,13 @@ impl Station {
             Some(_) => count(&mut self.changed),
             None => {}
         }
+    }
+
+    /// Answers that came too late, with those of a test, which listens longer.
+    pub fn late_with(&self, test: Option<&Consistency>) -> u64 {
+        let Some(test) = test else { return self.late };
+        let unmeasured = u64::from(test.late.saturating_sub(test.slow));
+        self.late.max(unmeasured).saturating_add(u64::from(test.slow))
     }
 
     /// Whether it ever said something that can be read.

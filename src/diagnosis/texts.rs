@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::bus::{NoPort, WithoutPort};
+use crate::bus::NoPort;
 
 /// Something that is seen on a line, or keeps it from being opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -50,8 +50,16 @@ pub enum Symptom {
     WatchdogTripped,
     /// The port may not be opened.
     NoPermission,
-    /// The port is gone, or goes while it is used.
+    /// There is no port of this name.
+    NoSuchPort,
+    /// What was named is no serial port.
+    NoSerialPort,
+    /// The port goes while it is used.
     PortVanished,
+    /// The connection of a network line goes while it is used.
+    ConnectionLost,
+    /// The host of a network line does not take a connection.
+    NotReached,
     /// Another program has the port.
     PortBusy,
     /// The line cannot be opened for another reason.
@@ -75,10 +83,50 @@ impl Symptom {
     pub fn next_step(self) -> String {
         match self {
             Self::PortVanished if cfg!(target_os = "linux") => {
-                format!("{} {}", self.words().2, without_brltty())
+                format!("{} {}", self.words().2, NoPort::Brltty.next_step())
             }
             _ => self.words().2.to_owned(),
         }
+    }
+
+    /// Cause and next step over a network; `None` where they are the same as on a wire.
+    pub(super) fn over_network(self) -> Option<(&'static str, &'static str)> {
+        Some(match self {
+            Self::SilentLine | Self::SilentInOneProtocol | Self::SilentAddress => (
+                "The module has another NetID, or the gateway has no module with this one",
+                "Look for it at every NetID (`dcon-bench scan` with --addresses 1-247); behind a gateway, check its speed and \
+                 data format, and the wires to the module",
+            ),
+            Self::Garbage | Self::Unusable | Self::SameErrors | Self::ChangingErrors => (
+                "What answers at this port does not speak Modbus TCP as the module does",
+                "Check the host and the port number (502 unless it was changed); the traffic shows the bytes in hex",
+            ),
+            Self::Lost => (
+                "The network or a gateway loses them, or the module is busy with others",
+                "Check the network's cables, and whether other programs ask the same module",
+            ),
+            Self::Late => (
+                "The timeout is shorter than the module, a gateway or the network takes",
+                "Set a longer timeout; behind a gateway, look at the timeout that it has itself",
+            ),
+            Self::Twice => (
+                "A gateway or something else on the way doubles what it passes on",
+                "Connect to the module without what is between",
+            ),
+            Self::Stopped => (
+                "Its power or cable is gone, or its NetID was changed",
+                "Check its power and the network's cable; then look for it at every NetID",
+            ),
+            Self::CutShort => (
+                "The connection broke off while it answered",
+                "Check the network's cables and the module's power under load",
+            ),
+            Self::WrongAddress => (
+                "A gateway mixes up the answers of its modules",
+                "Ask the modules one by one, and compare their NetIDs",
+            ),
+            _ => return None,
+        })
     }
 
     /// Title, cause and next step of what is over.
@@ -93,6 +141,11 @@ impl Symptom {
                 "The port had vanished",
                 "The adapter was pulled, or has a bad contact; it is back",
                 "Nothing has to be done; if it happens again, try another cable and USB port, without a hub",
+            ),
+            Self::ConnectionLost => (
+                "The connection had broken off",
+                "The module or something on the way closed it; it is back",
+                "Nothing has to be done; if it happens again, check the network's cables and the module's power",
             ),
             _ => self.words(),
         }
@@ -177,8 +230,8 @@ impl Symptom {
             ),
             Self::Lost => (
                 "Some answers do not come",
-                "The timeout is too short for the module and the adapter's latency, or the contact is bad",
-                "Use the suggested timeout; if answers still get lost, check terminals, power and the cable",
+                "A bad contact, or a module that is busy or short of power: none of the missing answers came later",
+                "Check terminals, power and the cable, then test again",
             ),
             Self::Late => (
                 "Answers come too late",
@@ -222,8 +275,29 @@ impl Symptom {
                     "`sudo usermod -a -G dialout $USER`, then log out and in again"
                 },
             ),
+            Self::NoSuchPort => (
+                "There is no such port",
+                "The name is mistyped, or the adapter is not plugged in",
+                "Choose one of the ports that are there (`dcon-bench ports` lists them)",
+            ),
+            Self::NoSerialPort => (
+                "This is no serial port",
+                "The name is that of something else",
+                "Choose one of the ports that are there (`dcon-bench ports` lists them)",
+            ),
+            Self::ConnectionLost => (
+                "The connection breaks off",
+                "The module has no power or was restarted, the cable is out, or others use up its connections",
+                "Check the module's power and the network's cables, and close other programs that are connected to it",
+            ),
+            Self::NotReached => (
+                "The host cannot be reached",
+                "The host or the port number is another one, the module has no power, or the cable is out",
+                "Check the host's address (`ping`), the port number (502 unless it was changed), the cable and the \
+                 module's power",
+            ),
             Self::PortVanished => (
-                "The port is not there, or vanishes",
+                "The port vanishes",
                 if cfg!(target_os = "linux") {
                     "The adapter was pulled, or brltty (for braille displays) takes CH340 and CP210x adapters as soon as \
                      they are plugged in"
@@ -247,8 +321,8 @@ impl Symptom {
             ),
             Self::NotOpened => (
                 "The line cannot be opened",
-                "The adapter or the network does not take the request",
-                "Unplug and replug the adapter, or check the cable, the address and the port number of the network line",
+                "The adapter or its driver does not take the request",
+                "Unplug the adapter and plug it in again",
             ),
             Self::SlowAdapter => (
                 "The adapter holds answers back",
@@ -258,12 +332,6 @@ impl Symptom {
             ),
         }
     }
-}
-
-/// How brltty gives the adapter back, in the words in which the adapter without a port is told.
-fn without_brltty() -> String {
-    let told = WithoutPort { maker: "", vendor: 0, product: 0, reason: NoPort::Brltty }.to_string();
-    told.split_once(" – ").map_or_else(|| told.clone(), |(_, step)| step.to_owned())
 }
 
 /// With a capital letter.

@@ -19,6 +19,12 @@ const ASK_AGAIN_AFTER: u16 = 60;
 /// Runs in which a question stayed without answer while others were answered, before another way is tried.
 const SILENCES_ALLOWED: u8 = 2;
 
+/// Questions in a row to which a module is silent that has answered before in the same run, until it is taken for gone.
+/// One answer that is late by 1.5 s holds back those behind it, and so two or three questions with their repeats; where a
+/// fifth of all answers are late, a second and a third late one among these are common. For a module that has really gone
+/// it takes this many times the timeout and its repeats, 4.8 s unless set otherwise.
+const SILENCES_SHOW_ABSENCE: u8 = 8;
+
 /// What became of one item that was asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
@@ -136,7 +142,7 @@ impl ReadPlan {
     /// Asks the next question. False when there is none left.
     ///
     /// A module that answers nothing costs one waiting time only: the items that were not asked share the failure. One
-    /// that stays silent to a single question is asked the others.
+    /// that has answered before is asked the others, until it has been silent [`SILENCES_SHOW_ABSENCE`] times in a row.
     pub fn step(&mut self, run: &mut ReadRun, address: u8, ask: &mut dyn Ask) -> bool {
         let Some(question) = run.questions.pop_front() else { return false };
         let reply = ask.ask(&question.query);
@@ -144,7 +150,9 @@ impl ReadPlan {
         match &reply {
             Err(failure) if !failure.shows_presence() => {
                 run.silent_in_a_row = run.silent_in_a_row.saturating_add(1);
-                let gone = matches!(failure, Failure::LineLost(_)) || !run.answered || run.silent_in_a_row > 1;
+                let gone = matches!(failure, Failure::LineLost(_))
+                    || !run.answered
+                    || run.silent_in_a_row >= SILENCES_SHOW_ABSENCE;
                 if gone {
                     self.first = if run.answered { self.first } else { self.first.wrapping_add(1) };
                     run.fail(failure, at);

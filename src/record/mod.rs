@@ -20,5 +20,5 @@ pub use store::{
     Archive, Destination, Fetcher, Files, Keeping, Recorder, Recording, RecordingStatus, StoreError, Viewer,
 };
 pub use trend::{Around, BLOCK, Block, Columns, Micros, Node, Point, Sample, Statistics, Trend, micros, seconds};
-pub(crate) use whole::write_whole;
+pub(crate) use whole::{check_writable, write_whole};
 pub use writer::FileWriter;

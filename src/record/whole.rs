@@ -31,6 +31,25 @@ pub fn write_whole<T, E: From<io::Error>>(path: &Path, write: impl FnOnce(&File)
     written
 }
 
+/// Whether [`write_whole`] could begin now; nothing is left behind.
+///
+/// # Errors
+/// What would keep it from beginning.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    match path.metadata() {
+        Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        // Windows replaces no such file.
+        Ok(found) if cfg!(windows) && found.permissions().readonly() => {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        Ok(found) if !found.is_file() => return File::options().write(true).open(&path).map(drop),
+        _ => {}
+    }
+    let (part, _) = begin_part(&path)?;
+    fs::remove_file(part)
+}
+
 /// A new file beside `path`: `PATH.part`, or `PATH.part2` and so on where somebody else has such a file, be it one that
 /// was left by a crash.
 fn begin_part(path: &Path) -> io::Result<(PathBuf, File)> {

@@ -218,3 +218,26 @@ fn light_noise_is_seen_in_the_statistics_only() {
     assert!(repeats > 0);
     recover(&line, &targets, &truth);
 }
+
+#[test]
+fn a_line_of_late_answers_loses_some_values_of_a_module_and_not_all_that_follow() {
+    let spec = "pir-234@1";
+    let line = Line::open(&[spec]);
+    let (target, definition) = (target(spec), line.definition("pir-234"));
+    line.sim.set_faults(faults(&["late=20%"]));
+    let (mut brought, mut wanted) = (0, 0);
+    for _ in 0..10 {
+        let (id, definition) = (line.bus.next_id(), definition.clone());
+        line.bus.send(BusCommand::Read { id, target, definition, items: ItemSet::All }).expect("room");
+        let values = line.until(|event| match event {
+            BusEvent::Read { id: of, values, .. } if *of == id => Some(values.clone()),
+            _ => None,
+        });
+        let good = values.iter().filter(|answer| answer.result.is_ok()).count();
+        // Whoever does not answer the first question is taken for absent.
+        if good > 0 {
+            (brought, wanted) = (brought + good, wanted + values.len());
+        }
+    }
+    assert!(brought * 3 > wanted * 2, "{brought} of {wanted}");
+}

@@ -11,7 +11,7 @@ use super::super::adapters::adapters_without_port;
 use super::super::dialogue::{Dialogue, Memory};
 use super::super::message::{BusEvent, RequestId, Statistics};
 use super::super::ports::{KnownPort, ports_of};
-use super::super::problem::{LineProblem, ProblemKind};
+use super::super::problem::{LineProblem, Obstacle, ProblemKind};
 use super::super::tap::Tap;
 use super::super::target::LineAddress;
 use super::{LOOK_EVERY, Worker};
@@ -38,14 +38,14 @@ pub struct OpenLine {
     frames_missed: Arc<AtomicU64>,
     told: Told,
     /// Why a lost line cannot be taken up although its adapter is there, as it was told last.
-    obstacle: Option<String>,
+    obstacle: Option<Obstacle>,
 }
 
 /// Why a lost line cannot be taken up, if it is more than that the adapter is not there.
-fn obstacle(problem: Option<LineProblem>) -> Option<String> {
+fn obstacle(problem: Option<LineProblem>) -> Option<Obstacle> {
     match problem {
-        Some(problem) if !matches!(problem.kind, ProblemKind::NoSuchPort { .. }) => Some(problem.to_string()),
-        _ => adapters_without_port().first().map(ToString::to_string),
+        Some(problem) if !matches!(problem.kind, ProblemKind::NoSuchPort { .. }) => Some(Obstacle::NotOpened(problem)),
+        _ => adapters_without_port().into_iter().next().map(Obstacle::WithoutPort),
     }
 }
 
@@ -253,9 +253,9 @@ impl Worker {
             failed => {
                 line.look_at = Instant::now() + line.retry_after();
                 let obstacle = obstacle(failed.and_then(Result::err));
-                if obstacle.is_some() && line.obstacle != obstacle {
-                    line.obstacle.clone_from(&obstacle);
-                    self.tell(BusEvent::StillLost { reason: obstacle.unwrap_or_default() });
+                if let Some(obstacle) = obstacle.filter(|obstacle| line.obstacle.as_ref() != Some(obstacle)) {
+                    line.obstacle = Some(obstacle.clone());
+                    self.tell(BusEvent::StillLost { obstacle });
                 }
             }
         }

@@ -6,6 +6,7 @@
 
 mod link;
 mod queue;
+mod raw;
 mod requests;
 mod scanning;
 
@@ -114,11 +115,12 @@ impl Worker {
             self.read_on();
             return true;
         }
-        if let Some(command) = self.queue.next() {
-            self.carry_out(command);
-            return true;
+        match self.queue.next() {
+            Some(BusCommand::Raw { id, request, settings }) => self.raw(id, &request, settings),
+            Some(command) => self.carry_out(command),
+            None => return self.scan_step() | self.poll(),
         }
-        self.scan_step() | self.poll()
+        true
     }
 
     /// Puts what has arrived into the queue, without waiting.

@@ -6,11 +6,11 @@ use jiff::Timestamp;
 
 use super::module::symptom_of_unread;
 use super::{Finding, Severity, answers, by_share, plural, sorted, times};
-use crate::bus::{LatencyTimer, LineProblem, ProblemKind, Target};
+use crate::bus::{LatencyTimer, LineProblem, ProblemKind, Target, WithoutPort};
 use crate::diagnosis::occurrences::Occurrences;
 use crate::diagnosis::station::Station;
 use crate::diagnosis::texts::{self, Symptom};
-use crate::diagnosis::{Diagnosis, LineFacts};
+use crate::diagnosis::{Diagnosis, LineFacts, Medium};
 use crate::protocol::Protocol;
 
 /// A silent address was insisted on if it was asked again at once so often.
@@ -27,7 +27,7 @@ pub fn of_line(diagnosis: &Diagnosis, now: Timestamp, unread: &[(&Target, &Stati
     let mut found: Vec<Finding> = diagnosis.problem().map(of_problem).into_iter().collect();
     found.extend(silence(diagnosis));
     found.extend(gathered(unread, diagnosis.stations().any(|(_, station)| station.is_heard())));
-    found.extend(losses(line.losses, now));
+    found.extend(losses(line.losses, diagnosis.medium(), now));
     if line.echoes > 0 {
         let evidence = format!("{} came behind the echo of their requests", answers(line.echoes));
         found.push(Finding::new(Severity::Note, Symptom::Echo, evidence));
@@ -35,16 +35,17 @@ pub fn of_line(diagnosis: &Diagnosis, now: Timestamp, unread: &[(&Target, &Stati
     found.extend(beside_answers(line, now));
     found.extend(noise(line, now));
     found.extend(diagnosis.adapter().filter(|timer| timer.is_slow()).map(slow_adapter));
-    sorted(found)
+    sorted(found.into_iter().map(|finding| finding.on(diagnosis.medium())).collect())
 }
 
-fn losses(losses: Occurrences, now: Timestamp) -> Option<Finding> {
+fn losses(losses: Occurrences, medium: Medium, now: Timestamp) -> Option<Finding> {
     let evidence = format!("the line was lost {} while it was open", times(losses.count));
+    let symptom = if medium == Medium::Network { Symptom::ConnectionLost } else { Symptom::PortVanished };
     match (losses.count, losses.followed) {
         (0, _) => None,
-        (_, 0) => Some(Finding::new(Severity::Fault, Symptom::PortVanished, evidence)),
+        (_, 0) => Some(Finding::new(Severity::Fault, symptom, evidence)),
         (count, _) => {
-            let finding = Finding::past(Symptom::PortVanished, losses, now, &evidence);
+            let finding = Finding::past(symptom, losses, now, &evidence);
             let often = count >= LOST_OFTEN && !losses.is_over(0);
             Some(Finding { severity: if often { Severity::Warning } else { Severity::Note }, ..finding })
         }
@@ -56,8 +57,10 @@ fn beside_answers(line: &LineFacts, now: Timestamp) -> Vec<Finding> {
     let mut found = Vec::new();
     if line.late.count > 0 {
         let severity = by_share(line.late.count, line.requests).max(Severity::Warning);
-        let evidence =
-            format!("{} came after their requests had been given up, or beside others", answers(line.late.count));
+        let evidence = match line.late.count {
+            1 => "1 answer came after its request had been given up, or beside another".to_owned(),
+            count => format!("{count} answers came after their requests had been given up, or beside others"),
+        };
         found.push(Finding::by_chance(severity, Symptom::Late, line.late, line.requests, now, evidence));
     }
     if line.copies.count > 0 {
@@ -156,23 +159,34 @@ fn of_problem(problem: &LineProblem) -> Finding {
     let symptom = match &problem.kind {
         ProblemKind::PermissionDenied => Symptom::NoPermission,
         ProblemKind::Busy { .. } => Symptom::PortBusy,
-        ProblemKind::NoSuchPort { hints, .. } if !hints.is_empty() => return without_port(problem, hints),
-        ProblemKind::NoSuchPort { .. } => Symptom::PortVanished,
-        _ => Symptom::NotOpened,
+        ProblemKind::NoSuchPort { portless, .. } if !portless.is_empty() => return without_port(problem, portless),
+        ProblemKind::NoSuchPort { present, .. } => return no_such_port(problem, present),
+        ProblemKind::NotReached(_) => Symptom::NotReached,
+        ProblemKind::NotASerialPort => Symptom::NoSerialPort,
+        ProblemKind::Other(_) => Symptom::NotOpened,
     };
     Finding::new(Severity::Fault, symptom, problem.to_string())
 }
 
+/// Nothing is plugged in that could be meant, or the name is another one.
+fn no_such_port(problem: &LineProblem, present: &[String]) -> Finding {
+    let finding = Finding::new(Severity::Fault, Symptom::NoSuchPort, format!("there is no port {}", problem.line));
+    if present.is_empty() {
+        let cause = "The adapter is not plugged in, or has no driver: there is no serial port at all".to_owned();
+        let next_step = "Plug the adapter in; `dcon-bench ports` lists the ports that are there".to_owned();
+        return Finding { cause, next_step, ..finding };
+    }
+    let next_step = format!("{}: at present {}", finding.next_step, present.join(", "));
+    Finding { next_step, ..finding }
+}
+
 /// The adapter is there and has no port: what is known of it is more than what is likely.
-fn without_port(problem: &LineProblem, hints: &[String]) -> Finding {
-    let finding = Finding::new(Severity::Fault, Symptom::PortVanished, format!("there is no port {}", problem.line));
-    let told: Vec<(&str, &str)> = hints.iter().map(|hint| hint.split_once(" – ").unwrap_or((hint, ""))).collect();
-    let causes: Vec<&str> = told.iter().map(|(cause, _)| *cause).collect();
-    let mut steps: Vec<String> =
-        told.iter().filter(|(_, step)| !step.is_empty()).map(|(_, step)| texts::sentence(step)).collect();
+fn without_port(problem: &LineProblem, portless: &[WithoutPort]) -> Finding {
+    let finding = Finding::new(Severity::Fault, Symptom::NoSuchPort, format!("there is no port {}", problem.line));
+    let causes: Vec<String> = portless.iter().map(WithoutPort::happened).collect();
+    let mut steps: Vec<String> = portless.iter().map(|adapter| texts::sentence(&adapter.reason.next_step())).collect();
     steps.dedup();
-    let next_step = if steps.is_empty() { finding.next_step.clone() } else { steps.join(". ") };
-    Finding { cause: causes.join(". "), next_step, ..finding }
+    Finding { cause: causes.join(". "), next_step: steps.join(". "), ..finding }
 }
 
 fn slow_adapter(timer: &LatencyTimer) -> Finding {

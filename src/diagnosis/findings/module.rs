@@ -8,14 +8,14 @@ use crate::diagnosis::occurrences::Occurrences;
 use crate::diagnosis::outcome::{FailureKind, RefusalKind};
 use crate::diagnosis::station::Station;
 use crate::diagnosis::texts::{self, Symptom};
-use crate::diagnosis::{Consistency, Judgement};
+use crate::diagnosis::{Consistency, Judgement, Medium};
 
 /// A module that was silent so often in a row has gone.
 const GONE_AFTER: u64 = 5;
 
 /// What concerns one module that was heard.
 pub fn of_module(target: &Target, station: &Station, test: Option<&Consistency>, now: Timestamp) -> Vec<Finding> {
-    let mut found = failures(station, now);
+    let mut found = failures(station, station.late_with(test), now);
     if station.noisy.count > 0 {
         let evidence = format!("{} of {} had stray bytes around them", station.noisy.count, answers(station.usable()));
         let severity = by_share(station.noisy.count, station.usable()).min(Severity::Warning);
@@ -24,7 +24,12 @@ pub fn of_module(target: &Target, station: &Station, test: Option<&Consistency>,
     }
     found.extend(refusals(station, now));
     found.extend(test.and_then(of_test));
-    sorted(found.into_iter().map(|finding| finding.at(*target)).collect())
+    of_place(target, found)
+}
+
+fn of_place(target: &Target, found: Vec<Finding>) -> Vec<Finding> {
+    let medium = Medium::of(target.protocol);
+    sorted(found.into_iter().map(|finding| finding.on(medium).at(*target)).collect())
 }
 
 /// What concerns a place that never said anything that can be read.
@@ -33,7 +38,7 @@ pub fn of_unread(target: &Target, station: &Station, test: Option<&Consistency>)
     let evidence = format!("{} came back, and none can be read: {what}", answers(station.broken()));
     let mut found = vec![Finding::new(Severity::Fault, symptom_of_unread(station), evidence)];
     found.extend(test.and_then(of_test));
-    sorted(found.into_iter().map(|finding| finding.at(*target)).collect())
+    of_place(target, found)
 }
 
 /// What the broken answers of a place point to that never gave a good one: that of which most came.
@@ -50,31 +55,55 @@ pub(super) fn symptom_of_unread(station: &Station) -> Symptom {
     }
 }
 
-fn failures(station: &Station, now: Timestamp) -> Vec<Finding> {
+/// How its exchanges failed, of which `late` had an answer after all.
+fn failures(station: &Station, late: u64, now: Timestamp) -> Vec<Finding> {
     let asked = station.asked();
     let mut found = Vec::new();
-    let mut add = |symptom, part: Occurrences, what: &str| {
+    let mut add = |symptom, part: Occurrences, (one, many): (&str, &str)| {
+        let what = if part.count == 1 { one } else { many };
         if part.count > 0 {
             let evidence = format!("{} of {} {what}", part.count, exchanges(asked));
             found.push(Finding::by_chance(by_share(part.count, asked), symptom, part, asked, now, evidence));
         }
     };
     let [checks, garbage] = [FailureKind::WrongCheck, FailureKind::Garbage].map(|kind| station.failure(kind));
+    let same = |what| (what, what);
     let what = if checks.count >= garbage.count { "had a wrong checksum or CRC" } else { "could not be read" };
     let broken = if station.breaks_alike() { Symptom::SameErrors } else { Symptom::ChangingErrors };
-    add(broken, checks.and(garbage), what);
-    add(Symptom::Unusable, station.failure(FailureKind::Other), "had answers that cannot be used");
-    add(Symptom::CutShort, station.failure(FailureKind::CutShort), "were cut short");
-    add(Symptom::WrongAddress, station.failure(FailureKind::WrongAddress), "came from another address");
-    add(Symptom::Collision, station.failure(FailureKind::Collision), "differ from what was sent");
-    add(Symptom::Noise, station.failure(FailureKind::StrayBytes), "were nothing but stray bytes");
+    add(broken, checks.and(garbage), same(what));
+    let unusable = ("had an answer that cannot be used", "had answers that cannot be used");
+    add(Symptom::Unusable, station.failure(FailureKind::Other), unusable);
+    add(Symptom::CutShort, station.failure(FailureKind::CutShort), ("was cut short", "were cut short"));
+    add(Symptom::WrongAddress, station.failure(FailureKind::WrongAddress), same("came from another address"));
+    let collision = ("differs from what was sent", "differ from what was sent");
+    add(Symptom::Collision, station.failure(FailureKind::Collision), collision);
+    let stray = ("was nothing but stray bytes", "were nothing but stray bytes");
+    add(Symptom::Noise, station.failure(FailureKind::StrayBytes), stray);
     if station.silent_now < GONE_AFTER {
-        add(Symptom::Lost, station.failure(FailureKind::NoAnswer), "had no answer");
-        return found;
+        add(Symptom::Lost, station.failure(FailureKind::NoAnswer), same("had no answer"));
+        return found.into_iter().map(|finding| lost(finding, late)).collect();
     }
     let evidence = format!("{} answered before, the last {} did not", exchanges(station.usable()), station.silent_now);
     found.push(Finding::new(Severity::Fault, Symptom::Stopped, evidence));
     found
+}
+
+/// Where answers came late, that comes first.
+fn lost(finding: Finding, late: u64) -> Finding {
+    if finding.symptom != Symptom::Lost || late == 0 {
+        return finding;
+    }
+    let cause = match late {
+        1 => "1 answer came when it was not waited for any more: the timeout is too short for the module".to_owned(),
+        late => {
+            format!(
+                "{late} answers came when they were not waited for any more: the timeout is too short for the module"
+            )
+        }
+    };
+    let next_step =
+        "Set a longer timeout; if answers still do not come, check terminals, power and the cable".to_owned();
+    Finding { cause, next_step, ..finding }
 }
 
 fn refusals(station: &Station, now: Timestamp) -> Vec<Finding> {
@@ -108,6 +137,8 @@ fn of_test(test: &Consistency) -> Option<Finding> {
         Judgement::SameErrors => (Severity::Fault, Symptom::SameErrors),
         Judgement::Unreadable => (Severity::Fault, Symptom::Garbage),
         Judgement::Noise => (Severity::Warning, Symptom::Noise),
+        Judgement::Late if test.late >= test.reads => (Severity::Fault, Symptom::Late),
+        Judgement::Late => (Severity::Warning, Symptom::Late),
         Judgement::Lossy => (Severity::Warning, Symptom::Lost),
         Judgement::NoAnswer => (Severity::Fault, Symptom::Stopped),
     };

@@ -2,8 +2,8 @@
 
 use std::fmt::{self, Write};
 
-use super::{Bar, LineReport, ModuleReport, Report, Times};
-use crate::diagnosis::findings::{Finding, Severity};
+use super::{Adapter, Bar, LineReport, ModuleReport, Report, Times};
+use crate::diagnosis::findings::{Finding, Severity, plural};
 
 /// The longest bar of a histogram, in characters.
 const LONGEST_BAR: u64 = 40;
@@ -13,6 +13,9 @@ const MOST_ROWS: usize = 12;
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "Diagnosis of {} – {}, {:.0}\n", self.line.name, self.program, self.made_at)?;
+        if let Some(reason) = &self.stopped_early {
+            writeln!(f, "Stopped early: {reason}. This is what was heard until then.\n")?;
+        }
         line(f, &self.line)?;
         for report in &self.modules {
             f.write_char('\n')?;
@@ -27,11 +30,18 @@ impl Report {
     pub fn conclusion(&self) -> String {
         let count = |severity| self.findings().filter(|finding| finding.severity == severity).count();
         let (faults, warnings) = (count(Severity::Fault), count(Severity::Warning));
-        let word = |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
-        match (faults, warnings) {
-            (0, 0) if self.modules.is_empty() => "No module has answered yet.".to_owned(),
-            (0, 0) => "Nothing is wrong.".to_owned(),
-            _ => format!("{} and {} need attention.", word(faults, "fault"), word(warnings, "warning")),
+        let counted = [(faults, "fault", "faults"), (warnings, "warning", "warnings")];
+        let words: Vec<String> = counted
+            .into_iter()
+            .filter(|(count, ..)| *count > 0)
+            .map(|(count, one, many)| plural(u64::try_from(count).unwrap_or(u64::MAX), one, many))
+            .collect();
+        match faults.saturating_add(warnings) {
+            0 if self.modules.is_empty() => "No module has answered yet.".to_owned(),
+            0 if self.stopped_early.is_some() => "Nothing was wrong until it was stopped.".to_owned(),
+            0 => "Nothing is wrong.".to_owned(),
+            1 => format!("{} needs attention.", words.concat()),
+            _ => format!("{} need attention.", words.join(" and ")),
         }
     }
 }
@@ -39,18 +49,19 @@ impl Report {
 fn line(f: &mut fmt::Formatter<'_>, report: &LineReport) -> fmt::Result {
     writeln!(f, "Line")?;
     fact(f, "Exchanges", &failed_of(report.failed, report.exchanges))?;
+    fact(f, "Patience", &patience(report))?;
     if let Some(times) = &report.answer_time {
         fact(f, "Answer time", &said(times))?;
     }
-    if report.silent_addresses > 0 {
-        fact(f, "Silent", &format!("{} addresses never answered, and count nowhere else", report.silent_addresses))?;
+    match report.silent_addresses {
+        0 => {}
+        1 => fact(f, "Silent", "1 address never answered, and counts nowhere else")?,
+        count => fact(f, "Silent", &format!("{count} addresses never answered, and count nowhere else"))?,
     }
     fact(f, "Echo", if report.echoes > 0 { "the adapter echoes" } else { "none seen" })?;
-    fact(f, "Noise", &noise(report.noisy_answers, Some(report.unasked_bytes)))?;
+    fact(f, "Noise", &noise_in_words(report.noisy_answers, report.unasked_bytes))?;
     if let Some(adapter) = &report.adapter {
-        let timer =
-            adapter.latency_timer_ms.map_or_else(|| "not told by the system".to_owned(), |ms| format!("{ms} ms"));
-        fact(f, "Latency timer", &timer)?;
+        fact(f, "Latency timer", &adapter_in_words(adapter))?;
     }
     findings(f, &report.findings)
 }
@@ -63,15 +74,18 @@ fn module(f: &mut fmt::Formatter<'_>, report: &ModuleReport) -> fmt::Result {
         let kinds: Vec<_> = report.failures.iter().map(|(kind, count)| format!("{count} {}", kind.label())).collect();
         fact(f, "Failures", &kinds.join(", "))?;
     }
-    if report.refusals > 0 || report.repeats > 0 {
-        fact(f, "Refused", &format!("{}, asked again at once: {}", report.refusals, report.repeats))?;
+    if report.refusals > 0 {
+        fact(f, "Refused", &plural(report.refusals, "request", "requests"))?;
     }
-    fact(f, "Noise", &noise(report.noisy_answers, None))?;
+    if report.repeats > 0 {
+        fact(f, "Asked again", &plural(report.repeats, "time, at once", "times, at once"))?;
+    }
+    fact(f, "Noise", &noise_in_words(report.noisy_answers, 0))?;
     if let Some(test) = &report.consistency {
         fact(f, "Consistency", &format!("{} – {}", test.judgement.label(), test.said))?;
     }
     if let Some(timeout) = &report.suggested_timeout {
-        fact(f, "Timeout", &format!("{} ms suggested: {}", timeout.milliseconds, timeout.reason))?;
+        fact(f, "Timeout", &format!("{}: {}", timeout.verdict(), timeout.reason))?;
     }
     if let Some(times) = &report.answer_time {
         fact(f, "Answer time", &said(times))?;
@@ -85,8 +99,28 @@ fn fact(f: &mut fmt::Formatter<'_>, name: &str, text: &str) -> fmt::Result {
 }
 
 fn failed_of(failed: u64, all: u64) -> String {
-    let share = failed as f64 / all.max(1) as f64 * 100.0;
-    format!("{all}, {failed} of them failed ({share:.1} %)")
+    match (all, failed) {
+        (0, _) => "none".to_owned(),
+        (_, 0) => format!("{all}, none of them failed"),
+        _ => {
+            let share = failed as f64 / all.max(1) as f64 * 100.0;
+            format!("{all}, {failed} of them failed ({share:.1} %)")
+        }
+    }
+}
+
+fn patience(report: &LineReport) -> String {
+    let repeats = match report.repeats {
+        0 => "no read is asked again".to_owned(),
+        1 => "a read is asked again once".to_owned(),
+        repeats => format!("a read is asked again at most {repeats} times"),
+    };
+    format!("timeout {} ms, {repeats}", report.timeout_ms)
+}
+
+/// The adapter's latency timer.
+pub fn adapter_in_words(adapter: &Adapter) -> String {
+    adapter.latency_timer_ms.map_or_else(|| "not told by the system".to_owned(), |ms| format!("{ms} ms"))
 }
 
 fn said(times: &Times) -> String {
@@ -94,11 +128,15 @@ fn said(times: &Times) -> String {
     format!("min {min_ms:.1} ms, median {median_ms:.1} ms, 99 % {p99_ms:.1} ms, max {max_ms:.1} ms")
 }
 
-fn noise(noisy: u64, unasked: Option<u64>) -> String {
-    match (noisy, unasked.unwrap_or_default()) {
+/// Answers with stray bytes around them, and bytes that nobody asked for; only what there is.
+pub fn noise_in_words(noisy: u64, unasked: u64) -> String {
+    let around = || format!("stray bytes around {}", plural(noisy, "answer", "answers"));
+    let beside = || plural(unasked, "byte that nobody asked for", "bytes that nobody asked for");
+    match (noisy, unasked) {
         (0, 0) => "none seen".to_owned(),
-        (noisy, 0) => format!("stray bytes around {noisy} answers"),
-        (noisy, unasked) => format!("stray bytes around {noisy} answers, {unasked} bytes nobody asked for"),
+        (_, 0) => around(),
+        (0, _) => beside(),
+        _ => format!("{}, {}", around(), beside()),
     }
 }
 

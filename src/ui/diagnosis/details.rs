@@ -5,8 +5,8 @@ use eframe::egui::{Align, Button, Grid, Label, Layout, RichText, Ui, vec2};
 use super::{charts, mark, stations};
 use crate::bench::Action;
 use crate::diagnosis::{
-    Adapter, Bar, Consistency, DEFAULT_READS, Finding, Judgement, ModuleReport, Report, Severity, SuggestedTimeout,
-    Times,
+    Bar, Consistency, DEFAULT_READS, Finding, Judgement, ModuleReport, Report, Severity, SuggestedTimeout,
+    TimeoutAdvice, Times, adapter_in_words, noise_in_words,
 };
 use crate::ui::app::Pass;
 use crate::ui::{theme, widgets, words};
@@ -22,13 +22,13 @@ pub fn line(ui: &mut Ui, report: &Report, pass: &mut Pass<'_>) {
     let share = line.failed as f64 / line.exchanges.max(1) as f64;
     let share = stations::words_of_share((line.exchanges > 0).then_some(share));
     let mut rows = vec![
-        ("Exchanges", format!("{} with {} modules", line.exchanges, report.modules.len())),
+        ("Exchanges", format!("{} with {}", line.exchanges, modules(report.modules.len()))),
         ("Failed", format!("{} ({share})", line.failed)),
-        ("Never answered", format!("{} addresses, which count nowhere else", line.silent_addresses)),
+        ("Never answered", never_answered(line.silent_addresses)),
         ("Echo", echo(line.echoes)),
-        ("Noise", noise(line.noisy_answers, line.unasked_bytes)),
+        ("Noise", noise_in_words(line.noisy_answers, line.unasked_bytes)),
     ];
-    rows.extend(line.adapter.as_ref().map(|adapter| ("Latency timer", latency(adapter))));
+    rows.extend(line.adapter.as_ref().map(|adapter| ("Latency timer", adapter_in_words(adapter))));
     facts(ui, "line facts", &rows);
     timeout(ui, line.suggested_timeout.as_ref(), pass);
 }
@@ -53,7 +53,7 @@ pub fn module(ui: &mut Ui, module: &ModuleReport, pass: &mut Pass<'_>) {
         ("Failed", format!("{failed} ({}){kinds}", stations::words_of_share(module.error_rate))),
         ("Asked again", format!("{} at once after a failure", module.repeats)),
         ("Echo", echo(module.echoes)),
-        ("Noise", noise(module.noisy_answers, 0)),
+        ("Noise", noise_in_words(module.noisy_answers, 0)),
     ];
     facts(ui, "module facts", &rows);
     if let Some(test) = &module.consistency {
@@ -165,18 +165,16 @@ fn echo(echoes: u64) -> String {
     if echoes == 0 { "none seen".to_owned() } else { "the adapter sends back what is sent".to_owned() }
 }
 
-fn noise(noisy: u64, unasked: u64) -> String {
-    match (noisy, unasked) {
-        (0, 0) => "none seen".to_owned(),
-        (noisy, 0) => format!("stray bytes around {noisy} answers"),
-        (noisy, unasked) => format!("stray bytes around {noisy} answers, {unasked} bytes that nobody asked for"),
-    }
+fn modules(count: usize) -> String {
+    if count == 1 { "1 module".to_owned() } else { format!("{count} modules") }
 }
 
-fn latency(adapter: &Adapter) -> String {
-    adapter
-        .latency_timer_ms
-        .map_or_else(|| "not told by the system".to_owned(), |milliseconds| format!("{milliseconds} ms"))
+fn never_answered(addresses: u32) -> String {
+    match addresses {
+        0 => "none".to_owned(),
+        1 => "1 address, which counts nowhere else".to_owned(),
+        count => format!("{count} addresses, which count nowhere else"),
+    }
 }
 
 fn consistency(ui: &mut Ui, test: &Consistency) {
@@ -185,7 +183,7 @@ fn consistency(ui: &mut Ui, test: &Consistency) {
     let severity = match test.judgement {
         Judgement::Fine => None,
         Judgement::Interrupted => Some(Severity::Note),
-        Judgement::Noise | Judgement::Lossy | Judgement::Twice => Some(Severity::Warning),
+        Judgement::Noise | Judgement::Late | Judgement::Lossy | Judgement::Twice => Some(Severity::Warning),
         Judgement::Doubled
         | Judgement::DoubledOrNoise
         | Judgement::SameErrors
@@ -206,15 +204,20 @@ fn words_first(text: &str) -> String {
 }
 
 fn timeout(ui: &mut Ui, suggested: Option<&SuggestedTimeout>, pass: &mut Pass<'_>) {
-    section(ui, "Suggested timeout");
+    section(ui, "Timeout");
     let Some(suggested) = suggested else {
-        widgets::quiet(ui, "Ten answers are needed to suggest one.");
+        widgets::quiet(ui, "Ten answers are needed to judge it.");
         return;
     };
     ui.horizontal(|ui| {
-        ui.label(RichText::new(format!("{} ms", suggested.milliseconds)).heading());
+        ui.label(suggested.verdict());
         let why = "Waits so long for the first byte of an answer from now on, on this line and those opened later";
-        if ui.button(format!("Use {} ms", suggested.milliseconds)).on_hover_text(why).clicked() {
+        let button = match suggested.advice {
+            TimeoutAdvice::Fits => return,
+            TimeoutAdvice::Longer => format!("Use {} ms", suggested.milliseconds),
+            TimeoutAdvice::CouldBeLowered => format!("Lower to {} ms", suggested.milliseconds),
+        };
+        if ui.button(button).on_hover_text(why).clicked() {
             pass.settings.timeout_ms = u32::try_from(suggested.milliseconds).unwrap_or(u32::MAX);
             pass.actions.push(Action::Tune(pass.settings.tuning().within_limits()));
         }
