@@ -22,6 +22,7 @@ pub mod capture;
 pub mod cli;
 pub mod diagnosis;
 pub mod folders;
+pub mod help;
 pub mod mimic;
 pub mod module;
 pub mod picture;

@@ -8,12 +8,14 @@ mod capture;
 mod diagnose;
 mod export;
 mod get;
+mod licences;
 mod line_args;
 mod names;
 mod output;
 mod parse;
 mod ports;
 mod record;
+mod reference;
 mod replay;
 mod scan;
 mod send;
@@ -90,6 +92,8 @@ pub enum Command {
     Replay(replay::ReplayArgs),
     Simulate(simulate::SimulateArgs),
     Soak(soak::SoakArgs),
+    Reference(reference::ReferenceArgs),
+    Licences(licences::LicencesArgs),
 }
 
 /// Carries out a subcommand.
@@ -109,6 +113,8 @@ pub fn run(command: Command) -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Soak(args) => soak::run(&args),
+        Command::Reference(args) => reference::run(&args),
+        Command::Licences(args) => licences::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -348,7 +348,8 @@ impl eframe::App for App {
         }
     }
 
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.panes.views.about.note_renderer(frame);
         let mut actions = Vec::new();
         self.draw(ui, &mut actions);
         self.settings.note_zoom(ui.ctx());

@@ -44,6 +44,8 @@ pub enum Command {
     Larger,
     Smaller,
     NormalSize,
+    Help,
+    About,
     Quit,
 }
 
@@ -56,9 +58,17 @@ pub const TABS: &[Command] =
     &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Diagnosis, Beside, OwnWindow, ClosePane];
 pub const RECORDING: &[Command] = &[ToggleRecording, OpenRecording, ExportReadings];
 pub const SIZE: &[Command] = &[Larger, Smaller, NormalSize];
-pub const PROGRAM: &[Command] = &[Quit];
+pub const PROGRAM: &[Command] = &[Help, About, Quit];
 
-const GROUPS: [&[Command]; 6] = [LINE, MODULE, TABS, RECORDING, SIZE, PROGRAM];
+/// All commands with the titles of their groups.
+pub const GROUPS: [(&str, &[Command]); 6] = [
+    ("Line", LINE),
+    ("Module in view", MODULE),
+    ("Tabs", TABS),
+    ("Recording", RECORDING),
+    ("Size", SIZE),
+    ("Program and help", PROGRAM),
+];
 
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
@@ -75,7 +85,7 @@ enum HeardBy {
 
 impl Command {
     pub fn all() -> impl Iterator<Item = Self> {
-        GROUPS.into_iter().flatten().copied()
+        GROUPS.into_iter().flat_map(|(_, commands)| commands).copied()
     }
 
     pub fn text(self) -> &'static str {
@@ -110,6 +120,8 @@ impl Command {
             Larger => "Larger",
             Smaller => "Smaller",
             NormalSize => "Normal size",
+            Help => "Help on this tab",
+            About => "About and licences…",
             Quit => "Quit",
         }
     }
@@ -144,6 +156,8 @@ impl Command {
             OwnWindow => "Puts the tab into a window of its own, or back",
             ClosePane => "The module stays in the list and goes on being polled",
             Larger | Smaller | NormalSize => "Everything in the window",
+            Help => "How to use it, what goes wrong, and every command and register; works offline",
+            About => "Version, folders, and what the program is built from",
             Quit => "Asks first if a change is not written",
         }
     }
@@ -163,7 +177,8 @@ impl Command {
             PauseAll => shifted(Key::P),
             ReadAgain => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F5)),
             WriteAll => Some(module_view::WRITE_ALL),
-            RevertAll | TogglePolling | Remove | PollPlan | Faults => None,
+            RevertAll | TogglePolling | Remove | PollPlan | Faults | About => None,
+            Help => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F1)),
             NextTab => ctrl(Modifiers::NONE, Key::PageDown),
             PreviousTab => ctrl(Modifiers::NONE, Key::PageUp),
             NextPane => ctrl(Modifiers::NONE, Key::Tab),
@@ -234,7 +249,7 @@ impl Command {
             }
             ClosePane => unless(pass.active != Pane::Dashboard, "The dashboard stays open"),
             PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | Diagnosis | OpenRecording | Beside
-            | OwnWindow | Larger | Smaller | NormalSize | Quit => None,
+            | OwnWindow | Larger | Smaller | NormalSize | Help | About | Quit => None,
         }
     }
 
@@ -277,6 +292,8 @@ impl Command {
             (Larger, _) => settings::zoom_by(ctx, 1.0),
             (Smaller, _) => settings::zoom_by(ctx, -1.0),
             (NormalSize, _) => ctx.set_zoom_factor(1.0),
+            (Help, _) => panes.show_help(pass),
+            (About, _) => panes.views.about.open(pass),
             (Quit, _) => ctx.send_viewport_cmd_to(ViewportId::ROOT, ViewportCommand::Close),
             (ReadAgain | WriteAll | RevertAll | TogglePolling | Remove | NextTab | PreviousTab, None) => {}
         }
@@ -298,7 +315,7 @@ pub fn toggled_polling(module: &Module) -> Action {
 fn in_view(bench: &Bench, active: Pane) -> Option<&Module> {
     match active {
         Pane::Module(target) => bench.module(&target),
-        Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Diagnosis | Pane::Recording(_) => None,
+        Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Diagnosis | Pane::Help | Pane::Recording(_) => None,
     }
 }
 

@@ -94,7 +94,9 @@ impl Guard {
     pub fn close(&mut self, bench: &Bench, pane: Pane) -> bool {
         let targets = match pane {
             Pane::Module(target) => really_held(bench, vec![target]),
-            Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Diagnosis | Pane::Recording(_) => Vec::new(),
+            Pane::Dashboard | Pane::Traffic | Pane::Trends | Pane::Diagnosis | Pane::Help | Pane::Recording(_) => {
+                Vec::new()
+            }
         };
         if targets.is_empty() {
             return true;

@@ -14,6 +14,7 @@ mod dialogs;
 mod empty;
 mod faults;
 mod guard;
+mod help;
 mod init_guide;
 mod interval;
 mod module_list;

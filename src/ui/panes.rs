@@ -12,6 +12,7 @@ use super::commands;
 use super::dashboard::Dashboard;
 use super::diagnosis::DiagnosisView;
 use super::dialogs::Dialogs;
+use super::help::{self, HelpView, about::AboutBox};
 use super::module_view::ModuleView;
 use super::pane_tabs::Tabs;
 use super::traffic::TrafficView;
@@ -30,6 +31,8 @@ pub enum Pane {
     Trends,
     /// What is wrong with the line.
     Diagnosis,
+    /// How to use the program, and the command reference.
+    Help,
     /// A recording that was opened.
     Recording(RecordingId),
     Module(Target),
@@ -51,6 +54,8 @@ pub(super) struct Views {
     traffic: TrafficView,
     trends: TrendView,
     diagnosis: DiagnosisView,
+    help: HelpView,
+    pub about: AboutBox,
     recordings: BTreeMap<RecordingId, TrendView>,
     dashboard: Dashboard,
 }
@@ -59,7 +64,7 @@ pub struct Panes {
     tree: Tree<Pane>,
     /// Panes in windows of their own.
     windows: Vec<Pane>,
-    views: Views,
+    pub(super) views: Views,
     /// The pane that the user works in.
     active: Pane,
     /// What had the focus in the last frame.
@@ -191,6 +196,13 @@ impl Panes {
         view.ask_to_export();
     }
 
+    /// Shows the help on what is in front.
+    pub fn show_help(&mut self, pass: &Pass<'_>) {
+        let module = if let Pane::Module(target) = pass.active { Some(target) } else { None };
+        self.views.help.ask(help::topic(pass), module);
+        self.open(Pane::Help);
+    }
+
     /// The pane that the user works in.
     pub fn active(&self) -> Pane {
         self.active
@@ -319,6 +331,7 @@ impl Panes {
         let Self { tree, views, active, .. } = self;
         tree.ui(&mut Tabs { pass, dialogs, views, active, wishes: &mut wishes, focus_moved_to, alone, shared }, ui);
         self.show_windows(ui.ctx(), pass, dialogs, &mut wishes);
+        self.views.about.show(ui.ctx(), pass);
         for wish in wishes {
             match wish {
                 Wish::Close(pane) => pass.closing.push(pane),
@@ -428,6 +441,7 @@ pub(super) fn title(bench: &Bench, pane: Pane) -> String {
         Pane::Traffic => "Traffic".to_owned(),
         Pane::Trends => "Trends".to_owned(),
         Pane::Diagnosis => "Diagnosis".to_owned(),
+        Pane::Help => "Help".to_owned(),
         Pane::Recording(id) => {
             let name = bench.opened_recording(id).and_then(|viewer| viewer.path().file_stem());
             name.map_or_else(|| "Recording".to_owned(), |name| name.to_string_lossy().into_owned())
@@ -453,6 +467,7 @@ impl Views {
             Pane::Traffic => self.traffic.show(ui, pass),
             Pane::Trends => self.trends.show(ui, &Source::live(pass.bench), pass),
             Pane::Diagnosis => self.diagnosis.show(ui, pass),
+            Pane::Help => self.help.show(ui, pass, wishes),
             Pane::Recording(id) => match Source::recording(pass.bench, id) {
                 Ok(source) => self.recordings.entry(id).or_default().show(ui, &source, pass),
                 Err(lines) => trends::not_there(ui, &lines),

@@ -11,6 +11,7 @@ mod faults;
 mod form;
 mod general;
 mod harness;
+mod help;
 mod init;
 mod log;
 mod lost_line;

@@ -166,6 +166,11 @@ pub fn turn_page(module: &Module, settings: &mut Settings, forward: bool) {
     }
 }
 
+/// The key of the page that is in view; none of an unknown model.
+pub fn page_in_view(module: &Module, settings: &Settings) -> Option<String> {
+    tabs::chosen(&tabs::of(module), settings).map(|tab| tab.key().to_owned())
+}
+
 fn scrolled(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     ScrollArea::vertical().auto_shrink(false).show(ui, contents);
 }

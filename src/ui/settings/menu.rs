@@ -31,7 +31,7 @@ pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
                 ui.add_space(theme::GAP);
                 patience(ui, pass);
                 ui.add_space(theme::GAP);
-                group(ui, pass, "Program", commands::PROGRAM);
+                group(ui, pass, "Program and help", commands::PROGRAM);
             });
         });
     });

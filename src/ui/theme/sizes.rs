@@ -319,6 +319,22 @@ pub const MARK_DISTANCE: f32 = 12.0 * UNIT;
 pub const ANSWER_TIME: f32 = 18.0 * UNIT;
 pub const COUNT_SHORT: f32 = 20.0 * UNIT;
 
+/// The help: its list with one line for an article and three for a place that was found, and the width of its text.
+pub const HELP_LIST: f32 = 56.0 * UNIT;
+pub const HELP_LIST_RANGE: std::ops::RangeInclusive<f32> = 40.0 * UNIT..=100.0 * UNIT;
+pub const HELP_ROW: f32 = 5.5 * UNIT;
+pub const HELP_HIT: f32 = 14.0 * UNIT;
+pub const HELP_TEXT: f32 = 165.0 * UNIT;
+pub const HELP_MARK: f32 = 5.0 * UNIT;
+pub const HELP_COLUMN_GAP: f32 = 3.0 * UNIT;
+/// A character of a table, on average, and the characters of the longest word that widens its column.
+pub const HELP_CHARACTER: f32 = 1.6 * UNIT;
+pub const HELP_WORD: usize = 18;
+/// The box on the program, below its heading; its list of parts, and names before what is told.
+pub const ABOUT: [f32; 2] = [185.0 * UNIT, 95.0 * UNIT];
+pub const ABOUT_LIST: f32 = 64.0 * UNIT;
+pub const ABOUT_NAME: f32 = 24.0 * UNIT;
+
 pub const HAIRLINE: f32 = 1.0;
 pub const TRACE: f32 = 1.5;
 pub const OUTLINE: f32 = 1.5;
