@@ -115,12 +115,11 @@ impl Worker {
             self.read_on();
             return true;
         }
-        match self.queue.next() {
-            Some(BusCommand::Raw { id, request, settings }) => self.raw(id, &request, settings),
-            Some(command) => self.carry_out(command),
-            None => return self.scan_step() | self.poll(),
+        if let Some(command) = self.queue.next() {
+            self.carry_out(command);
+            return true;
         }
-        true
+        self.scan_step() | self.poll()
     }
 
     /// Puts what has arrived into the queue, without waiting.

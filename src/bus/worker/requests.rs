@@ -67,14 +67,7 @@ impl Worker {
             BusCommand::Repeat { id, target, definition, action, period } => {
                 self.repeats.add(Repeat::new(id, target, definition, action, period));
             }
-            BusCommand::Raw { id, request, settings } => {
-                let result = self.dialogue().and_then(|dialogue| {
-                    dialogue.configure(settings)?;
-                    dialogue.raw(&request, Patience::WRITE_WINDOW)
-                });
-                self.note_loss(result.as_ref().err().cloned());
-                self.tell(BusEvent::RawAnswer { id, result });
-            }
+            BusCommand::Raw { id, request, settings } => self.raw(id, &request, settings),
             BusCommand::Tune(tuning) => self.tuning = tuning,
             BusCommand::PauseScan(_)
             | BusCommand::CancelScan
