@@ -14,6 +14,8 @@ mod output;
 mod parse;
 mod ports;
 mod record;
+#[cfg(feature = "window")]
+mod renderer;
 mod replay;
 mod scan;
 mod send;
@@ -31,6 +33,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+#[cfg(feature = "window")]
+pub use renderer::Renderer;
 use stop::Stop;
 
 use crate::sim::Fault;
@@ -39,7 +43,7 @@ use crate::sim::Fault;
 #[derive(Debug, Parser)]
 #[command(
     name = "dcon-bench",
-    version = crate::version::with_commit(),
+    version = crate::version::WITH_COMMIT,
     about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules on RS-485 and Ethernet",
     long_about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules, and others that a definition file describes, \
                   on RS-485 (DCON, Modbus RTU) and Ethernet (Modbus TCP).\n\nWithout a command the window opens. Results go \
@@ -57,6 +61,10 @@ pub struct Cli {
     /// lists the kinds
     #[arg(long, value_name = "KIND[=STRENGTH]", requires = "demo")]
     pub fault: Vec<Fault>,
+    /// What to draw the window with; DCON_BENCH_RENDERER says it where this does not [default: auto]
+    #[cfg(feature = "window")]
+    #[arg(long, overrides_with = "renderer")]
+    pub renderer: Option<Renderer>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }
