@@ -4,24 +4,28 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use dcon_bench::cli::{self, Cli};
-use dcon_bench::sim::Fault;
+
+/// What the log tells unless RUST_LOG says otherwise. Of a renderer that cannot be used the window tells in one line, for
+/// which the libraries need many.
+const LOG: &str = "warn,arboard=error,eframe::native::glow_integration=error,eframe::native::run=off,egui_wgpu=error,\
+                   wgpu_hal::vulkan::instance=off,winit=error";
 
 fn main() -> ExitCode {
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn")).init();
-    let Cli { demo, fault, command } = Cli::parse();
-    match command {
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or(LOG)).init();
+    let cli = Cli::parse();
+    match cli.command {
         Some(command) => cli::run(command),
-        None => window(demo, &fault),
+        None => window(&cli),
     }
 }
 
 #[cfg(feature = "window")]
-fn window(demo: bool, faults: &[Fault]) -> ExitCode {
-    dcon_bench::ui::run(demo, faults)
+fn window(cli: &Cli) -> ExitCode {
+    dcon_bench::ui::run(cli.demo, &cli.fault, cli.renderer)
 }
 
 #[cfg(not(feature = "window"))]
-fn window(_demo: bool, _faults: &[Fault]) -> ExitCode {
+fn window(_cli: &Cli) -> ExitCode {
     eprintln!("error: this program was built without its window – `dcon-bench --help` lists the commands");
     ExitCode::from(2)
 }

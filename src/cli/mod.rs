@@ -16,6 +16,8 @@ mod parse;
 mod ports;
 mod record;
 mod reference;
+#[cfg(feature = "window")]
+mod renderer;
 mod replay;
 mod scan;
 mod send;
@@ -33,6 +35,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+#[cfg(feature = "window")]
+pub use renderer::Renderer;
 use stop::Stop;
 
 use crate::sim::Fault;
@@ -59,6 +63,10 @@ pub struct Cli {
     /// lists the kinds
     #[arg(long, value_name = "KIND[=STRENGTH]", requires = "demo")]
     pub fault: Vec<Fault>,
+    /// What to draw the window with; DCON_BENCH_RENDERER says it where this does not [default: auto]
+    #[cfg(feature = "window")]
+    #[arg(long, overrides_with = "renderer")]
+    pub renderer: Option<Renderer>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }

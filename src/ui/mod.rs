@@ -20,12 +20,14 @@ mod interval;
 mod module_list;
 mod module_view;
 mod notices;
+mod pace;
 mod pane_tabs;
 mod panes;
 mod picture;
 mod plot;
 mod poll_plan;
 mod recording;
+mod renderer;
 mod saving;
 mod scan_form;
 mod settings;
@@ -39,11 +41,12 @@ mod words;
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::Instant;
 
 use eframe::egui::ViewportBuilder;
 
 pub use app::{App, Start};
+use pace::Pace;
 #[doc(hidden)]
 pub use trends::measure;
 
@@ -51,15 +54,16 @@ pub use settings::{LineChoice, Settings, SettingsFile, TemperatureUnit, ThemeCho
 
 use crate::bench::{Action, Bench, Severity};
 use crate::bus::{Bus, LineAddress};
+use crate::cli::Renderer;
 use crate::module::Catalogue;
 use crate::sim::{Fault, FaultError};
 
 const NAME: &str = "dcon-bench";
-/// What comes in from the bus within this time is shown together: thirty pictures a second are enough for an eye.
-const WAKE_AFTER: Duration = Duration::from_millis(33);
 
-/// Shows the window until it is closed. The simulated line goes wrong with `faults` from the start.
-pub fn run(demo: bool, faults: &[Fault]) -> ExitCode {
+/// Shows the window until it is closed, drawn with `renderer`, or as the environment says. The simulated line goes wrong with
+/// `faults` from the start.
+pub fn run(demo: bool, faults: &[Fault], renderer: Option<Renderer>) -> ExitCode {
+    let begin = Instant::now();
     if !has_display() {
         eprintln!(
             "There is no display (neither DISPLAY nor WAYLAND_DISPLAY is set) – use the command line, see {NAME} --help"
@@ -73,17 +77,13 @@ pub fn run(demo: bool, faults: &[Fault]) -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let outcome = show(demo, &simulated, eframe::Renderer::Glow).or_else(|glow| {
-        log::warn!("OpenGL cannot be used ({glow}), trying wgpu");
-        show(demo, &simulated, eframe::Renderer::Wgpu).map_err(|wgpu| format!("OpenGL: {glow}; wgpu: {wgpu}"))
-    });
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("The window could not be shown ({reason}) – use the command line instead, see {NAME} --help");
-            ExitCode::FAILURE
-        }
-    }
+    renderer::run(renderer::wanted(renderer), |renderer, first| {
+        let simulated = simulated.clone();
+        show(renderer, move |creation| {
+            first.watch(&creation.egui_ctx, begin);
+            start(creation, demo, simulated)
+        })
+    })
 }
 
 /// Whether there is anything to show a window on, as far as that is known beforehand.
@@ -103,7 +103,10 @@ fn simulated(faults: &[Fault]) -> Result<LineAddress, FaultError> {
     Ok(line)
 }
 
-fn show(demo: bool, simulated: &LineAddress, renderer: eframe::Renderer) -> eframe::Result {
+fn show(
+    renderer: eframe::Renderer,
+    start: impl FnOnce(&eframe::CreationContext<'_>) -> std::io::Result<App>,
+) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title(NAME)
         .with_app_id(NAME)
@@ -111,8 +114,7 @@ fn show(demo: bool, simulated: &LineAddress, renderer: eframe::Renderer) -> efra
         .with_min_inner_size(theme::WINDOW_LEAST);
     let persistence_path = crate::folders::config().map(|folder| folder.join("window.ron"));
     let options = eframe::NativeOptions { viewport, renderer, persistence_path, ..eframe::NativeOptions::default() };
-    let simulated = simulated.clone();
-    eframe::run_native(NAME, options, Box::new(move |creation| Ok(Box::new(start(creation, demo, simulated)?))))
+    eframe::run_native(NAME, options, Box::new(|creation| Ok(Box::new(start(creation)?))))
 }
 
 fn start(creation: &eframe::CreationContext<'_>, demo: bool, simulated: LineAddress) -> std::io::Result<App> {
@@ -121,10 +123,10 @@ fn start(creation: &eframe::CreationContext<'_>, demo: bool, simulated: LineAddr
         None => Catalogue::built_in(),
     };
     let catalogue = Arc::new(catalogue);
-    let ctx = creation.egui_ctx.clone();
-    let bus = Bus::start(catalogue.clone(), move || ctx.request_repaint_after(WAKE_AFTER))?;
-    let ctx = creation.egui_ctx.clone();
-    let mut bench = Bench::new(bus, catalogue, &faulty).with_wake(move || ctx.request_repaint_after(WAKE_AFTER));
+    let pace = Pace::of(&creation.egui_ctx);
+    let of_bus = pace.clone();
+    let bus = Bus::start(catalogue.clone(), move || of_bus.wake())?;
+    let mut bench = Bench::new(bus, catalogue, &faulty).with_wake(move || pace.wake());
     let settings::Opened { settings, file, warnings } = settings::open(crate::folders::config().as_deref());
     warnings.into_iter().for_each(|text| bench.apply(Action::Notify(Severity::Warning, text)));
     let start = Start { simulated, demo, settings };
