@@ -34,6 +34,7 @@ pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, 
 pub use ports::{ListPorts, PortInfo, UsbIdentity, ports};
 pub use problem::{LineProblem, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};
+pub use serial::port_name;
 
 pub use tap::{Direction, Frame, Tap, UNASKED, Verdict};
 pub use target::{LineAddress, MODBUS_TCP_PORT, Patience, Target, Tuning};
