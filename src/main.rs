@@ -1,5 +1,11 @@
 //! Picks the window or the command line.
 
+// Whoever starts the window from the desktop sees no console beside it.
+#![cfg_attr(feature = "window", windows_subsystem = "windows")]
+
+#[cfg(all(windows, feature = "window"))]
+mod console;
+
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -11,6 +17,8 @@ const LOG: &str = "warn,arboard=error,eframe::native::glow_integration=error,efr
                    wgpu_hal::vulkan::instance=off,winit=error";
 
 fn main() -> ExitCode {
+    #[cfg(all(windows, feature = "window"))]
+    console::attach();
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or(LOG)).init();
     let cli = Cli::parse();
     match cli.command {
@@ -21,6 +29,8 @@ fn main() -> ExitCode {
 
 #[cfg(feature = "window")]
 fn window(cli: &Cli) -> ExitCode {
+    #[cfg(windows)]
+    console::leave();
     dcon_bench::ui::run(cli.demo, &cli.fault, cli.renderer)
 }
 

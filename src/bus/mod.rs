@@ -36,6 +36,7 @@ pub use ports::{ListPorts, PortInfo, UsbIdentity, ports};
 pub use probes::may_be_probe;
 pub use problem::{LineProblem, Obstacle, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};
+pub use serial::port_name;
 
 pub use tap::{Direction, Frame, Tap, UNASKED, Verdict};
 pub use target::{LineAddress, MODBUS_TCP_PORT, Patience, Target, Tuning};

@@ -59,6 +59,7 @@ pub struct KnownPort {
 impl KnownPort {
     /// The port `name` among those that are `present`.
     pub fn among(present: Vec<PortInfo>, name: &str) -> Option<Self> {
+        let name = serial::port_name(name);
         let port = present.iter().find(|port| port.name == name)?.clone();
         let same = |other: &&PortInfo| other.name != port.name && other.usb.is_some() && other.usb == port.usb;
         let alike = present.iter().filter(same).map(|other| other.name.clone()).collect();

@@ -1,5 +1,8 @@
 //! Serial ports of the operating system.
 
+#[cfg(any(windows, test))]
+mod windows;
+
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
@@ -24,7 +27,18 @@ pub fn ports() -> Vec<PortInfo> {
         Vec::new()
     });
     found.sort_by_key(|port| (!matches!(port.port_type, SerialPortType::UsbPort(_)), port_order(&port.port_name)));
-    found.into_iter().map(describe).collect()
+    let described = found.into_iter().map(describe);
+    #[cfg(windows)]
+    return windows::as_in_the_device_manager(described);
+    #[cfg(not(windows))]
+    described.collect()
+}
+
+/// The system's name for the port that a person calls `text`: on Windows `com10`, `COM10:` and `\\.\COM10` are COM10.
+pub fn port_name(text: &str) -> String {
+    #[cfg(windows)]
+    let text = &windows::port_name(text);
+    text.to_owned()
 }
 
 /// COM10 comes after COM9.
@@ -47,7 +61,10 @@ fn describe(port: serialport::SerialPortInfo) -> PortInfo {
     };
     let usb = match port.port_type {
         SerialPortType::UsbPort(usb) => {
-            Some(UsbIdentity { vendor: usb.vid, product: usb.pid, serial: usb.serial_number, interface: usb.interface })
+            let serial = usb.serial_number;
+            #[cfg(windows)]
+            let serial = serial.filter(|serial| windows::is_of_device(serial));
+            Some(UsbIdentity { vendor: usb.vid, product: usb.pid, serial, interface: usb.interface })
         }
         _ => None,
     };
@@ -68,9 +85,42 @@ fn why_not(_name: &str) -> Option<String> {
 
 /// What a failed read or write of an open port means.
 fn lost(error: &io::Error) -> LineLost {
+    #[cfg(windows)]
+    if error.raw_os_error().is_some_and(windows::says_gone) {
+        return LineLost::new("it was unplugged");
+    }
     match error.kind() {
         io::ErrorKind::BrokenPipe | io::ErrorKind::NotFound => LineLost::new("it was unplugged"),
+        io::ErrorKind::TimedOut | io::ErrorKind::WriteZero => LineLost::new("the port takes no bytes"),
         _ => LineLost::new(error),
+    }
+}
+
+/// What a failed request to an open port means.
+fn failed(error: serialport::Error) -> LineLost {
+    // On Windows such requests fail only when the port has gone, with one error or another, as the driver likes.
+    match cfg!(windows) {
+        true => LineLost::new(format!("it was unplugged ({})", error.description.trim_end_matches('.'))),
+        false => LineLost::new(error),
+    }
+}
+
+/// Why a port cannot be opened.
+fn problem(name: &str, error: &serialport::Error) -> LineProblem {
+    let present: Vec<String> = ports().into_iter().map(|port| port.name).collect();
+    #[cfg(windows)]
+    if let Some(kind) = windows::why_not_opened(name, &present) {
+        return LineProblem { line: name.to_owned(), kind };
+    }
+    LineProblem::of_serial(name, error, present)
+}
+
+/// Converters powered from the port need both lines; ports without them (pseudo-terminals) say so, harmlessly.
+fn raise_lines(port: &mut dyn SerialPort) {
+    for outcome in [port.write_data_terminal_ready(true), port.write_request_to_send(true)] {
+        if let Err(error) = outcome {
+            log::debug!("DTR/RTS: {error}");
+        }
     }
 }
 
@@ -81,20 +131,32 @@ pub struct SerialLine {
 
 impl SerialLine {
     pub fn open(name: &str, settings: LineSettings) -> Result<Self, LineProblem> {
-        let problem = |error| LineProblem::of_serial(name, &error, ports().into_iter().map(|port| port.name).collect());
-        let mut port = serialport::new(name, settings.baud_rate.bps())
+        let name = port_name(name);
+        let mut port = serialport::new(&name, settings.baud_rate.bps())
             .data_bits(DataBits::Eight)
             .flow_control(FlowControl::None)
             .timeout(Duration::from_millis(10))
             .open()
-            .map_err(problem)?;
-        // Converters powered from the port need both lines; ports without them (pseudo-terminals) say so, harmlessly.
-        for outcome in [port.write_data_terminal_ready(true), port.write_request_to_send(true)] {
-            if let Err(error) = outcome {
-                log::debug!("{name}: DTR/RTS: {error}");
-            }
-        }
+            .map_err(|error| problem(&name, &error))?;
+        raise_lines(&mut *port);
         Ok(Self { port })
+    }
+
+    /// Reads what has arrived, or arrives within `left`. `None` if nothing did, or the system let go of the wait.
+    fn read(&mut self, buffer: &mut [u8], left: Duration) -> Result<Option<usize>, LineLost> {
+        self.port.set_timeout(left).map_err(failed)?;
+        match self.port.read(buffer) {
+            // A terminal that was hung up reads as empty instead of failing.
+            Ok(0) if !left.is_zero() => Err(LineLost::new("the port delivers nothing any more")),
+            Ok(count) => Ok(Some(count)),
+            // Some errors of Windows count as timeouts, such as that of a pulled adapter; the port tells whether it is there.
+            Err(error) if error.kind() == io::ErrorKind::TimedOut => match error.raw_os_error() {
+                Some(_) => self.look().map(|()| None),
+                None => Ok(None),
+            },
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => Ok(None),
+            Err(error) => Err(lost(&error)),
+        }
     }
 }
 
@@ -111,35 +173,57 @@ impl Line for SerialLine {
             .and_then(|()| port.set_parity(parity))
             .and_then(|()| port.set_stop_bits(stop_bits))
             .and_then(|()| port.clear(ClearBuffer::Input))
-            .map_err(LineLost::new)
+            .map_err(LineLost::new)?;
+        // There each change of settings also sets both lines, which the library has at rest.
+        if cfg!(windows) {
+            raise_lines(&mut **port);
+        }
+        Ok(())
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LineLost> {
-        self.port.set_timeout(WRITE_LIMIT).map_err(LineLost::new)?;
+        self.port.set_timeout(WRITE_LIMIT).map_err(failed)?;
         self.port.write_all(bytes).map_err(|error| lost(&error))
     }
 
+    #[cfg(not(windows))]
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LineLost> {
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
-            self.port.set_timeout(left).map_err(LineLost::new)?;
-            match self.port.read(buffer) {
-                // A terminal that was hung up reads as empty instead of failing.
-                Ok(0) if !left.is_zero() => return Err(LineLost::new("the port delivers nothing any more")),
-                Ok(count) => return Ok(count),
-                Err(error) if error.kind() == io::ErrorKind::TimedOut => return Ok(0),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(lost(&error)),
+            match self.read(buffer, left)? {
+                Some(count) => return Ok(count),
+                None if Instant::now() >= deadline => return Ok(0),
+                None => {}
             }
         }
     }
 
+    #[cfg(windows)]
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LineLost> {
+        use windows::Wait;
+        loop {
+            let arrived = self.port.bytes_to_read().map_err(failed)? > 0;
+            let left = deadline.saturating_duration_since(Instant::now());
+            match windows::wait(arrived, left) {
+                Wait::Over => return Ok(0),
+                Wait::Driver(time) => {
+                    if let Some(count) = self.read(buffer, time)? {
+                        return Ok(count);
+                    }
+                }
+                Wait::Sleep => {}
+            }
+            // Also after the driver: one whose device has gone may return at once, again and again.
+            std::thread::sleep(windows::LOOK_EVERY.min(left));
+        }
+    }
+
     fn purge(&mut self) -> Result<(), LineLost> {
-        self.port.clear(ClearBuffer::Input).map_err(LineLost::new)
+        self.port.clear(ClearBuffer::Input).map_err(failed)
     }
 
     fn look(&mut self) -> Result<(), LineLost> {
-        self.port.bytes_to_read().map(|_| ()).map_err(LineLost::new)
+        self.port.bytes_to_read().map(|_| ()).map_err(failed)
     }
 
     fn now(&self) -> Instant {

@@ -8,7 +8,7 @@ use clap::{ArgGroup, Args};
 use super::capture::{CaptureFile, capture_file};
 use super::stop::Stop;
 use super::{Outcome, parse};
-use crate::bus::{LineAddress, Target, Tuning};
+use crate::bus::{LineAddress, Target, Tuning, port_name};
 use crate::protocol::{BaudRate, DataFormat, LineSettings, Protocol, parse_address};
 use crate::sim::Fault;
 
@@ -52,7 +52,7 @@ pub struct LineArgs {
 impl LineArgs {
     pub fn address(&self) -> LineAddress {
         match (&self.port, &self.tcp) {
-            (Some(port), _) => LineAddress::Serial { port: port.clone() },
+            (Some(port), _) => LineAddress::Serial { port: port_name(port) },
             (None, Some(tcp)) => tcp.clone(),
             (None, None) => self.demo(),
         }

@@ -2,10 +2,10 @@
 
 use super::Outcome;
 
-#[cfg(not(unix))]
-pub use elsewhere::Interrupt;
 #[cfg(unix)]
 pub use unix::Interrupt;
+#[cfg(windows)]
+pub use windows::Interrupt;
 
 #[cfg(unix)]
 mod unix {
@@ -47,26 +47,43 @@ mod unix {
     }
 }
 
-#[cfg(not(unix))]
-mod elsewhere {
+#[cfg(windows)]
+mod windows {
+    use std::process;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread;
+
+    use super::super::stop::Stop;
     use super::Outcome;
 
-    /// Nothing to be caught: the system ends the program.
-    pub struct Interrupt;
+    /// Ctrl-C, Ctrl-Break and the end of the console, once caught. A second one ends the program at once.
+    pub struct Interrupt {
+        came: Arc<AtomicBool>,
+    }
 
     impl Interrupt {
         pub fn catch() -> Outcome<Self> {
-            Ok(Self)
+            let interrupt = Self { came: Arc::new(AtomicBool::new(false)) };
+            let (came, waiting) = (interrupt.came.clone(), thread::current());
+            let handler = move || {
+                if came.swap(true, Ordering::Relaxed) {
+                    process::exit(1);
+                }
+                waiting.unpark();
+            };
+            ctrlc::set_handler(handler).map_err(|error| Stop::failed(format!("Ctrl-C cannot be caught: {error}")))?;
+            Ok(interrupt)
         }
 
         pub fn came(&self) -> bool {
-            false
+            self.came.load(Ordering::Relaxed)
         }
 
-        /// Sleeps for ever.
+        /// Sleeps until it comes; for the thread that has caught it.
         pub fn wait(self) {
-            loop {
-                std::thread::park();
+            while !self.came() {
+                thread::park();
             }
         }
     }
