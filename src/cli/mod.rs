@@ -5,10 +5,12 @@
 
 mod action;
 mod capture;
+mod completions;
 mod diagnose;
 mod export;
 mod get;
 mod line_args;
+mod manpage;
 mod names;
 mod output;
 mod parse;
@@ -39,7 +41,7 @@ use crate::sim::Fault;
 #[derive(Debug, Parser)]
 #[command(
     name = "dcon-bench",
-    version = crate::version::with_commit(),
+    version = crate::version::WITH_COMMIT,
     about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules on RS-485 and Ethernet",
     long_about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules, and others that a definition file describes, \
                   on RS-485 (DCON, Modbus RTU) and Ethernet (Modbus TCP).\n\nWithout a command the window opens. Results go \
@@ -90,6 +92,8 @@ pub enum Command {
     Replay(replay::ReplayArgs),
     Simulate(simulate::SimulateArgs),
     Soak(soak::SoakArgs),
+    Completions(completions::CompletionsArgs),
+    Manpage(manpage::ManpageArgs),
 }
 
 /// Carries out a subcommand.
@@ -109,6 +113,8 @@ pub fn run(command: Command) -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Soak(args) => soak::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Manpage(args) => manpage::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

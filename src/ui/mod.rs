@@ -14,6 +14,7 @@ mod dialogs;
 mod empty;
 mod faults;
 mod guard;
+mod icon;
 mod init_guide;
 mod interval;
 mod module_list;
@@ -106,6 +107,7 @@ fn show(demo: bool, simulated: &LineAddress, renderer: eframe::Renderer) -> efra
     let viewport = ViewportBuilder::default()
         .with_title(NAME)
         .with_app_id(NAME)
+        .with_icon(icon::window())
         .with_inner_size(theme::WINDOW)
         .with_min_inner_size(theme::WINDOW_LEAST);
     let persistence_path = crate::folders::config().map(|folder| folder.join("window.ron"));
