@@ -233,12 +233,36 @@ fn a_parameter_of_another_model_is_refused_by_name() {
 
 #[test]
 fn every_subcommand_explains_itself() {
-    for command in ["ports", "scan", "show", "get", "set", "action", "send", "watch", "record", "export", "simulate"] {
+    let reading = ["ports", "scan", "show", "get", "set", "action", "send", "watch", "record", "export", "simulate"];
+    for command in reading.into_iter().chain(["completions", "manpage"]) {
         let help = good(&[command, "--help"]);
         assert!(help.contains("Usage:") && help.contains(&format!("\n  dcon-bench {command}")), "{help}");
     }
     assert!(good(&["--help"]).contains("Exit codes"));
-    assert_eq!(good(&["--version"]).trim_end(), concat!("dcon-bench ", env!("CARGO_PKG_VERSION")));
+    assert!(good(&["--version"]).starts_with(concat!("dcon-bench ", env!("CARGO_PKG_VERSION"))));
+}
+
+#[test]
+fn shells_learn_commands_and_options() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = good(&["completions", shell]);
+        for word in ["dcon-bench", "simulate", "data-format"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    assert!(bad(2, &["completions", "tcsh"]).contains("bash, elvish, fish, powershell, zsh"));
+}
+
+#[test]
+fn there_is_a_manual_page_of_the_program_and_of_each_command() {
+    assert!(good(&["manpage"]).contains(".TH dcon-bench 1 "));
+    assert!(good(&["manpage", "scan"]).contains(".TH dcon-bench-scan 1 "));
+    assert!(bad(2, &["manpage", "mend"]).contains("no command of this name"));
+    let folder = TempDir::new().unwrap();
+    good(&["manpage", "--out", folder.path().join("man1").to_str().unwrap()]);
+    for name in ["dcon-bench.1", "dcon-bench-scan.1", "dcon-bench-manpage.1"] {
+        assert!(folder.path().join("man1").join(name).is_file(), "{name}");
+    }
 }
 
 #[test]

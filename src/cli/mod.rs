@@ -5,11 +5,13 @@
 
 mod action;
 mod capture;
+mod completions;
 mod diagnose;
 mod export;
 mod get;
 mod licences;
 mod line_args;
+mod manpage;
 mod names;
 mod output;
 mod parse;
@@ -102,6 +104,8 @@ pub enum Command {
     Soak(soak::SoakArgs),
     Reference(reference::ReferenceArgs),
     Licences(licences::LicencesArgs),
+    Completions(completions::CompletionsArgs),
+    Manpage(manpage::ManpageArgs),
 }
 
 /// Carries out a subcommand.
@@ -123,6 +127,8 @@ pub fn run(command: Command) -> ExitCode {
         Command::Soak(args) => soak::run(&args),
         Command::Reference(args) => reference::run(&args),
         Command::Licences(args) => licences::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Manpage(args) => manpage::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

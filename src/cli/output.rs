@@ -18,6 +18,13 @@ pub fn line(text: &str) -> Outcome {
     Ok(out.flush()?)
 }
 
+/// Writes a whole text that ends its own lines.
+pub fn bytes(text: &[u8]) -> Outcome {
+    let mut out = io::stdout().lock();
+    out.write_all(text)?;
+    Ok(out.flush()?)
+}
+
 /// Writes a value as one line of JSON.
 pub fn json(value: &impl Serialize) -> Outcome {
     let text = serde_json::to_string(value);

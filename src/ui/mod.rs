@@ -15,6 +15,7 @@ mod empty;
 mod faults;
 mod guard;
 mod help;
+mod icon;
 mod init_guide;
 mod interval;
 mod module_list;
@@ -110,6 +111,7 @@ fn show(
     let viewport = ViewportBuilder::default()
         .with_title(NAME)
         .with_app_id(NAME)
+        .with_icon(icon::window())
         .with_inner_size(theme::WINDOW)
         .with_min_inner_size(theme::WINDOW_LEAST);
     let persistence_path = crate::folders::config().map(|folder| folder.join("window.ron"));
