@@ -8,9 +8,9 @@ const COMMIT: &str = "DCON_BENCH_COMMIT";
 fn main() {
     println!("cargo::rerun-if-env-changed={COMMIT}");
     let commit = std::env::var(COMMIT).ok().filter(|commit| !commit.is_empty()).or_else(commit_of_checkout);
-    if let Some(commit) = commit {
-        println!("cargo::rustc-env={COMMIT}={commit}");
-    }
+    let version = std::env::var("CARGO_PKG_VERSION").unwrap_or_default();
+    let version = commit.map_or_else(|| version.clone(), |commit| format!("{version} ({commit})"));
+    println!("cargo::rustc-env=DCON_BENCH_VERSION={version}");
 }
 
 /// The short hash of what is checked out here; `None` outside of a checkout, or inside of another project's.

@@ -39,7 +39,7 @@ use crate::sim::Fault;
 #[derive(Debug, Parser)]
 #[command(
     name = "dcon-bench",
-    version = crate::version::with_commit(),
+    version = crate::version::WITH_COMMIT,
     about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules on RS-485 and Ethernet",
     long_about = "Commissioning bench for ICP DAS PIR-130 and PIR-234 modules, and others that a definition file describes, \
                   on RS-485 (DCON, Modbus RTU) and Ethernet (Modbus TCP).\n\nWithout a command the window opens. Results go \
