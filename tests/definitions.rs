@@ -243,3 +243,20 @@ fn a_model_that_says_the_same_of_itself_as_another_is_pointed_out() {
     assert_eq!(errors.len(), 1, "{errors:?}");
     assert!(errors[0].contains("twin.toml") && errors[0].contains("pir-234"), "{}", errors[0]);
 }
+
+#[test]
+fn every_item_and_action_of_the_pir_modules_is_explained() {
+    let (catalogue, _) = Catalogue::built_in();
+    for model in ["pir-130", "pir-230", "pir-234"] {
+        let definition = catalogue.get(model).unwrap();
+        let items = definition.items.iter().map(|item| (&item.id, &item.label, &item.help, &item.source));
+        let actions = definition.actions.iter().map(|action| (&action.id, &action.label, &action.help, &action.source));
+        for (id, label, help, source) in items.chain(actions) {
+            assert!(help.len() > label.len() + 5 && help.ends_with('.'), "{model} {id}: \"{help}\"");
+            assert!(!source.trim().is_empty(), "{model} {id} names no section of the manual");
+        }
+        for item in &definition.items {
+            assert!(!item.accesses.is_empty() && !item.allowed().is_empty(), "{model} {}", item.id);
+        }
+    }
+}

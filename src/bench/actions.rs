@@ -57,6 +57,10 @@ pub enum Action {
     Stage(Target, String, String),
     /// Take back the change of one item, or of all.
     Revert(Target, Option<String>),
+    /// Take back what was staged or reverted last.
+    Undo(Target),
+    /// Do again what was undone last.
+    Redo(Target),
     /// Write the changes of these items.
     Write(Target, Vec<String>),
     /// Change an item and write it at once, as a switch does.
@@ -85,7 +89,7 @@ pub enum Action {
     LeaveInit,
     /// Turn a switch of a simulated module, or its power off and on.
     Simulated(Target, Simulated),
-    /// Add a module definition from a file to the user's own.
+    /// Add a module definition from a file to the user's own; it counts at once.
     AddDefinition(PathBuf),
     /// Tell something that happened in the window itself.
     Notify(Severity, String),
@@ -136,6 +140,8 @@ impl Bench {
             Action::Read(target, ids) => self.read(target, ids),
             Action::Stage(target, id, text) => self.on_module(&target, |module| module.stage(&id, &text)),
             Action::Revert(target, id) => self.on_module(&target, |module| module.revert(id.as_deref())),
+            Action::Undo(target) => self.on_module(&target, Module::undo),
+            Action::Redo(target) => self.on_module(&target, Module::redo),
             Action::Write(target, ids) => self.write(target, &ids),
             Action::Set(target, id, text) => {
                 self.on_module(&target, |module| module.stage(&id, &text));
@@ -248,7 +254,7 @@ impl Bench {
         self.send(BusCommand::Scan { id, plan });
     }
 
-    fn look_for(&mut self, target: Target) {
+    pub(super) fn look_for(&mut self, target: Target) {
         let id = self.bus.next_id();
         if self.try_send(BusCommand::Identify { id, target }) {
             self.looking.insert(id);
@@ -328,16 +334,5 @@ impl Bench {
         self.hand_over_news();
         let Self { modules, history, .. } = self;
         modules.iter_mut().for_each(|module| module.pause(history));
-    }
-
-    /// The file is checked before it is copied; it counts from the next start on.
-    fn add_definition(&mut self, path: &std::path::Path) {
-        let outcome = crate::folders::definitions()
-            .ok_or_else(|| "there is no folder for settings".to_owned())
-            .and_then(|folder| crate::module::add_file(&folder, path).map_err(|error| error.to_string()));
-        match outcome {
-            Ok(id) => self.notify(Severity::Info, format!("The definition of {id} was added – restart to use it")),
-            Err(reason) => self.notify(Severity::Error, format!("The definition was not added – {reason}")),
-        }
     }
 }

@@ -118,24 +118,4 @@ impl Module {
             edit.value.as_ref().err().map(|allowed| format!("{label} cannot be \"{}\": {allowed}", edit.text))
         })
     }
-
-    /// Changes an item for writing it later; a change back to what the module holds is none.
-    pub(super) fn stage(&mut self, id: &str, text: &str) {
-        let Some(item) = self.item(id) else { return };
-        if self.edit(id).is_some_and(Edit::is_being_written) {
-            return;
-        }
-        let edit = Edit::new(item, text);
-        let unchanged = matches!(&edit.value, Ok(value) if self.known(id) == Some(value));
-        if unchanged {
-            self.edits.remove(id);
-        } else {
-            self.edits.insert(id.to_owned(), edit);
-        }
-    }
-
-    /// Takes back what is not on its way to the module already.
-    pub(super) fn revert(&mut self, id: Option<&str>) {
-        self.edits.retain(|edited, edit| edit.is_being_written() || id.is_some_and(|id| id != edited));
-    }
 }

@@ -6,6 +6,7 @@ pub mod console;
 mod diagnosis;
 mod edits;
 mod events;
+pub mod files;
 mod host_ok;
 mod init;
 mod journal;
@@ -19,6 +20,7 @@ pub mod summary;
 mod switch_kind;
 mod tab_names;
 pub mod traffic;
+mod undo;
 mod writing;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -62,6 +64,8 @@ pub enum ScanState {
 pub struct Bench {
     bus: Bus,
     catalogue: Arc<Catalogue>,
+    /// Where the user's own definitions are kept.
+    definitions: Option<PathBuf>,
     ports: Vec<PortInfo>,
     /// What is to be known of adapters that have no port.
     port_hints: Vec<String>,
@@ -106,6 +110,7 @@ impl Bench {
         let mut bench = Self {
             bus,
             catalogue,
+            definitions: crate::folders::definitions(),
             ports: ports(),
             port_hints: Vec::new(),
             line: LineState::default(),

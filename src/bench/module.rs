@@ -12,6 +12,7 @@ use super::host_ok::HostOk;
 use super::journal::{EntryKind, Journal};
 use super::observer::{self, Observer};
 use super::switch_kind::SwitchKind;
+use super::undo::Undo;
 use crate::bus::{Answer, RequestId, Target, Values};
 use crate::module::{Definition, Identified, Item, ReadPlan, Value};
 use crate::protocol::Failure;
@@ -61,6 +62,8 @@ pub struct Module {
     pub polled: Option<BTreeSet<String>>,
     /// Changes that are not written yet, by item id.
     pub edits: BTreeMap<String, Edit>,
+    /// How these changes came about.
+    pub(super) undo: Undo,
     /// What happened to it.
     pub journal: Journal,
     /// Host OK that is sent again and again on behalf of this module.
@@ -90,6 +93,7 @@ impl Module {
             last_interval: None,
             polled: None,
             edits: BTreeMap::new(),
+            undo: Undo::default(),
             journal,
             host_ok: None,
             console: Console::default(),

@@ -195,6 +195,7 @@ impl Module {
                 }
                 if of_this {
                     self.edits.remove(item);
+                    self.forget_steps_of(item);
                 }
                 None
             }

@@ -10,7 +10,7 @@ use super::problem::{LineProblem, Obstacle};
 use super::scan::{ScanPlan, ScanProgress, ScanSummary};
 use super::tap::Frame;
 use super::target::{LineAddress, Target, Tuning};
-use crate::module::{Definition, Identified, Value, WriteError};
+use crate::module::{Catalogue, Definition, Identified, Value, WriteError};
 use crate::protocol::{Failure, LineSettings};
 
 pub use crate::module::Answer;
@@ -57,6 +57,8 @@ pub enum BusCommand {
     CancelScan,
     /// How patient the line is from now on, and those that are opened later. No event follows.
     Tune(Tuning),
+    /// Knows these models from now on. No event follows.
+    Know(Arc<Catalogue>),
     /// Asks one module what it is, with reads only. → [`BusEvent::Identified`]
     Identify { id: RequestId, target: Target },
     /// Reads items once. → [`BusEvent::Read`]

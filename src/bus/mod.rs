@@ -32,7 +32,7 @@ pub use adapters::{NoPort, WithoutPort, adapters_without_port};
 pub use client::{Bus, BusGone};
 pub use latency::LatencyTimer;
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
-pub use ports::{ListPorts, PortInfo, UsbIdentity, ports};
+pub use ports::{KnownPort, ListPorts, PortInfo, UsbIdentity, ports};
 pub use probes::may_be_probe;
 pub use problem::{LineProblem, Obstacle, ProblemKind};
 pub use scan::{ScanPlan, ScanProgress, ScanSummary};

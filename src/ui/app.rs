@@ -20,7 +20,7 @@ use super::saving::SaveAs;
 use super::scan_form::ScanForm;
 use super::settings::{LineChoice, Settings, SettingsFile};
 use super::trends::export::{self, ExportForm};
-use super::{connect, module_list, notices, scan_form, status, theme};
+use super::{connect, dropping, module_list, notices, scan_form, status, theme};
 use crate::bench::{Action, Bench, LineState, Severity};
 use crate::bus::{BusEvent, LineAddress};
 
@@ -278,6 +278,7 @@ impl App {
         poll_plan.show(ui.ctx(), &mut pass);
         faults.show(ui.ctx(), &mut pass, middle.rect);
         dialogs.show(ui.ctx(), bench, pass.actions);
+        dropping::overlay(ui.ctx());
         pass.active = panes.active();
         for command in std::mem::take(pass.commands) {
             command.carry_out(ui.ctx(), &mut pass, panes);
@@ -312,9 +313,8 @@ impl App {
 
     /// Opens what was dropped onto the window.
     fn take_dropped(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        for path in dropped.iter().map(|file| file.path().to_owned()) {
-            self.apply(Action::OpenRecording(path));
+        for action in dropping::dropped(ctx) {
+            self.apply(action);
             ctx.request_repaint();
         }
     }
@@ -338,7 +338,7 @@ impl eframe::App for App {
             self.settings.follow_line(&before, &now);
         }
         if let LineState::Open { line } = self.bench.line() {
-            self.settings.note_line(line);
+            self.settings.note_line(line, self.bench.settings(), self.bench.ports());
         }
         if let Some(action) = self.recordings.begin(&self.bench, &self.settings) {
             self.bench.apply(action);

@@ -16,6 +16,7 @@ use crate::bench::{Action, Bench, DEFAULT_INTERVAL, LineState, Module};
 pub enum Command {
     QuickScan,
     FullScan,
+    ConnectAgain,
     StopScan,
     CloseLine,
     PollAll,
@@ -25,6 +26,8 @@ pub enum Command {
     ReadAgain,
     WriteAll,
     RevertAll,
+    Undo,
+    Redo,
     TogglePolling,
     Remove,
     NextTab,
@@ -52,8 +55,10 @@ pub enum Command {
 use Command::*;
 
 /// The menu's groups, in its order.
-pub const LINE: &[Command] = &[QuickScan, FullScan, StopScan, CloseLine, PollAll, PauseAll, PollPlan, Faults];
-pub const MODULE: &[Command] = &[ReadAgain, WriteAll, RevertAll, TogglePolling, NextTab, PreviousTab, Remove];
+pub const LINE: &[Command] =
+    &[QuickScan, FullScan, ConnectAgain, StopScan, CloseLine, PollAll, PauseAll, PollPlan, Faults];
+pub const MODULE: &[Command] =
+    &[ReadAgain, WriteAll, RevertAll, Undo, Redo, TogglePolling, NextTab, PreviousTab, Remove];
 pub const TABS: &[Command] =
     &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Diagnosis, Beside, OwnWindow, ClosePane];
 pub const RECORDING: &[Command] = &[ToggleRecording, OpenRecording, ExportReadings];
@@ -92,6 +97,7 @@ impl Command {
         match self {
             QuickScan => "Quick scan",
             FullScan => "Full scan",
+            ConnectAgain => "Connect as last time",
             StopScan => "Stop the scan",
             CloseLine => "Close line",
             PollAll => "Poll all modules",
@@ -101,6 +107,8 @@ impl Command {
             ReadAgain => "Read again",
             WriteAll => "Write all changes",
             RevertAll => "Revert all changes",
+            Undo => "Undo",
+            Redo => "Redo",
             TogglePolling => "Pause or resume polling",
             Remove => "Remove from the list",
             NextTab => "Next page",
@@ -126,10 +134,22 @@ impl Command {
         }
     }
 
+    /// What it is called at present: with what it would undo, where it undoes something.
+    pub fn text_now(self, pass: &Pass<'_>) -> String {
+        let module = in_view(pass.bench, pass.active);
+        let what = match self {
+            Undo => undoable(module),
+            Redo => redoable(module),
+            _ => None,
+        };
+        what.map_or_else(|| self.text().to_owned(), |what| format!("{}: {what}", self.text()))
+    }
+
     pub fn explanation(self) -> &'static str {
         match self {
             QuickScan => "Asks the likely addresses at the chosen speed and format",
             FullScan => "Asks every address at every speed and format, in every protocol",
+            ConnectAgain => "Opens the line that was opened last, at its speed and format, and does a quick scan",
             StopScan => "Ends the scan; what it found stays",
             CloseLine => "Gives the port free; the last values stay",
             PollAll => "Polls every module whose model is known",
@@ -139,6 +159,8 @@ impl Command {
             ReadAgain => "Asks the module in view again for what its page shows",
             WriteAll => "Writes the changes of the module in view",
             RevertAll => "Takes back the changes of the module in view",
+            Undo => "One step back through the changes of the module in view that are not written",
+            Redo => "One step forth through what was undone",
             TogglePolling => "Of the module in view",
             Remove => "Forgets the module in view until it is found again",
             NextTab => "Of the module in view",
@@ -171,12 +193,15 @@ impl Command {
         match self {
             QuickScan => command(Key::R),
             FullScan => shifted(Key::R),
+            ConnectAgain => command(Key::L),
             StopScan => command(Key::Period),
             CloseLine => shifted(Key::L),
             PollAll => command(Key::P),
             PauseAll => shifted(Key::P),
             ReadAgain => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F5)),
             WriteAll => Some(module_view::WRITE_ALL),
+            Undo => command(Key::Z),
+            Redo => shifted(Key::Z),
             RevertAll | TogglePolling | Remove | PollPlan | Faults | About => None,
             Help => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F1)),
             NextTab => ctrl(Modifiers::NONE, Key::PageDown),
@@ -200,12 +225,17 @@ impl Command {
         }
     }
 
+    /// Other keys that do the same.
+    fn other_shortcut(self) -> Option<KeyboardShortcut> {
+        (self == Redo).then(|| KeyboardShortcut::new(Modifiers::COMMAND, Key::Y))
+    }
+
     fn heard_by(self) -> HeardBy {
         match self {
             // The bar beneath the module, so that a field may take Ctrl+Enter first; and egui.
             WriteAll | Larger | Smaller | NormalSize => HeardBy::Others,
-            // On some systems Ctrl with P, B, D and T moves or deletes in a text.
-            PollAll | PauseAll | Beside | Dashboard | Traffic | Trends => HeardBy::CommandsOutsideText,
+            // On some systems Ctrl with P, B, D and T moves or deletes in a text, which has its own steps back, too.
+            Undo | Redo | PollAll | PauseAll | Beside | Dashboard | Traffic | Trends => HeardBy::CommandsOutsideText,
             _ => HeardBy::Commands,
         }
     }
@@ -224,6 +254,7 @@ impl Command {
             Faults => {
                 unless(faults::count(pass).is_some(), "Only the simulated line goes wrong at will: open it first")
             }
+            ConnectAgain => connect::recent::obstacle(pass.bench, pass.settings),
             StopScan => unless(pass.bench.is_scanning(), "No scan is running"),
             CloseLine => unless(!closed, "No line is open"),
             PollAll => {
@@ -239,6 +270,8 @@ impl Command {
                 module().or_else(|| no_edits(known)).or_else(line).or_else(|| known.and_then(Module::unwritable))
             }
             RevertAll => module().or_else(|| no_edits(known)),
+            Undo => module().or_else(|| unless(undoable(known).is_some(), "No change of this module can be undone")),
+            Redo => module().or_else(|| unless(redoable(known).is_some(), "No change of this module was undone")),
             NextTab | PreviousTab => module(),
             Remove => unless(in_view(pass.bench, pass.active).is_some(), "No module is in view"),
             ToggleRecording if pass.bench.recording().is_some() => None,
@@ -263,6 +296,7 @@ impl Command {
         match (self, module) {
             (QuickScan, _) => connect::scan_with(pass, connect::plan_of(Ready::Quick, pass.settings)),
             (FullScan, _) => connect::scan_with(pass, connect::plan_of(Ready::Full, pass.settings)),
+            (ConnectAgain, _) => connect::recent::connect_latest(pass),
             (StopScan, _) => pass.actions.push(Action::CancelScan),
             (CloseLine, _) => pass.actions.push(Action::Disconnect),
             (PollAll, _) => pass.actions.push(Action::PollAll(true)),
@@ -272,6 +306,8 @@ impl Command {
             (ReadAgain, Some(module)) => panes.read_again(module.target),
             (WriteAll, Some(module)) => module_view::write_all(module, pass),
             (RevertAll, Some(module)) => pass.actions.push(Action::Revert(module.target, None)),
+            (Undo, Some(module)) => pass.actions.push(Action::Undo(module.target)),
+            (Redo, Some(module)) => pass.actions.push(Action::Redo(module.target)),
             (TogglePolling, Some(module)) => pass.actions.push(toggled_polling(module)),
             (Remove, Some(module)) => pass.actions.push(Action::Remove(module.target)),
             (NextTab, Some(module)) => module_view::turn_page(module, pass.settings, true),
@@ -295,9 +331,18 @@ impl Command {
             (Help, _) => panes.show_help(pass),
             (About, _) => panes.views.about.open(pass),
             (Quit, _) => ctx.send_viewport_cmd_to(ViewportId::ROOT, ViewportCommand::Close),
-            (ReadAgain | WriteAll | RevertAll | TogglePolling | Remove | NextTab | PreviousTab, None) => {}
+            (ReadAgain | WriteAll | RevertAll | Undo | Redo | TogglePolling | Remove | NextTab | PreviousTab, None) => {
+            }
         }
     }
+}
+
+fn undoable(module: Option<&Module>) -> Option<&str> {
+    module.and_then(Module::undoable)
+}
+
+fn redoable(module: Option<&Module>) -> Option<&str> {
+    module.and_then(Module::redoable)
 }
 
 fn no_edits(module: Option<&Module>) -> Option<String> {
@@ -328,14 +373,16 @@ pub fn take_typed(ctx: &Context, commands: &mut Vec<Command>) {
     // Ctrl+R is heard in Ctrl+Shift+R too, so what needs more keys comes first.
     for shifted in [true, false] {
         for command in Command::all() {
-            let Some(shortcut) = command.shortcut().filter(|keys| keys.modifiers.shift == shifted) else { continue };
+            let keys = [command.shortcut(), command.other_shortcut()].into_iter().flatten();
             let heard = match command.heard_by() {
                 HeardBy::Commands => true,
                 HeardBy::CommandsOutsideText => !in_text,
                 HeardBy::Others => false,
             };
-            if heard && ctx.input_mut(|input| input.consume_shortcut(&shortcut)) {
-                commands.push(command);
+            for keys in keys.filter(|keys| heard && keys.modifiers.shift == shifted) {
+                if ctx.input_mut(|input| input.consume_shortcut(&keys)) {
+                    commands.push(command);
+                }
             }
         }
     }

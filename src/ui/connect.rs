@@ -1,11 +1,13 @@
 //! The top row: which line, at which speed, and the scan.
 
+pub mod recent;
+
 use eframe::egui::{self, Align, RichText, TextEdit, Ui};
 
 use super::app::Pass;
 use super::faults;
 use super::scan_form::ScanForm;
-use super::settings::{self, LineChoice, RecentLine, Settings};
+use super::settings::{self, LineChoice, Now, Settings};
 use super::{theme, widgets, words};
 use crate::bench::{Action, Bench, LineState, ScanState};
 use crate::bus::{LineAddress, PortInfo, ScanPlan, ScanProgress, ScanSummary};
@@ -41,7 +43,7 @@ impl Connect {
         match &settings.line {
             LineChoice::Simulated => Ok(self.simulated.clone()),
             LineChoice::Tcp => LineAddress::tcp(settings.host.trim()),
-            LineChoice::Port(port) => Ok(LineAddress::Serial { port: port.clone() }),
+            LineChoice::Port(port) => Ok(LineAddress::Serial { port: present_name(bench, settings, port).to_owned() }),
             LineChoice::FirstPort => match bench.ports().first() {
                 Some(port) => Ok(LineAddress::Serial { port: port.name.clone() }),
                 None => Err("There is no serial port – plug in an adapter, or choose the simulated line".to_owned()),
@@ -136,6 +138,18 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
     });
 }
 
+/// What the port `name` is called now, if its adapter was plugged in elsewhere since it was chosen.
+fn present_name<'a>(bench: &'a Bench, settings: &Settings, name: &'a str) -> &'a str {
+    if bench.ports().iter().any(|port| port.name == name) {
+        return name;
+    }
+    let known = settings.recent_ports.iter().find(|recent| recent.name() == name);
+    match known.map(|recent| recent.now(bench.ports())) {
+        Some(Now::There(port)) => &port.name,
+        _ => name,
+    }
+}
+
 /// The name of the chosen line, and what the system knows of it.
 fn chosen(connect: &Connect, bench: &Bench, settings: &Settings) -> String {
     let named = |port: &PortInfo| format!("{}   {}", port.name, port.description);
@@ -144,7 +158,8 @@ fn chosen(connect: &Connect, bench: &Bench, settings: &Settings) -> String {
         LineChoice::Tcp => TCP.to_owned(),
         LineChoice::FirstPort => bench.ports().first().map_or_else(|| "No serial port".to_owned(), named),
         LineChoice::Port(name) => {
-            let present = bench.ports().iter().find(|port| port.name == *name);
+            let name = present_name(bench, settings, name);
+            let present = bench.ports().iter().find(|port| port.name == name);
             present.map_or_else(|| format!("{name}   not listed"), named)
         }
     }
@@ -157,7 +172,7 @@ fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
     let response = combo.show_ui(ui, |ui| {
         ui.set_min_width(theme::LINE_MENU_WIDTH);
-        lines(ui, pass.bench, pass.settings);
+        lines(ui, pass);
     });
     widgets::name_combo(&response.response, "Line", &text);
     let open = response.inner.is_some();
@@ -167,8 +182,9 @@ fn line_selector(ui: &mut Ui, pass: &mut Pass<'_>) {
     pass.connect.list_open = open;
 }
 
-fn lines(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
-    recent(ui, bench, settings);
+fn lines(ui: &mut Ui, pass: &mut Pass<'_>) {
+    recent::rows(ui, pass);
+    let (bench, settings) = (pass.bench, &mut *pass.settings);
     widgets::section(ui, "Serial ports");
     if bench.ports().is_empty() {
         widgets::quiet(ui, "None – plug in an adapter and open this list again");
@@ -191,39 +207,6 @@ pub fn hints(ui: &mut Ui, bench: &Bench) {
             widgets::glyph(ui, widgets::Glyph::Outline, palette.warning);
             ui.add(egui::Label::new(RichText::new(hint).color(palette.text)).wrap());
         });
-    }
-}
-
-/// Lines that were opened before, without the ports that are listed below anyway.
-fn recent(ui: &mut Ui, bench: &Bench, settings: &mut Settings) {
-    let listed = |name: &str| bench.ports().iter().any(|port| port.name == name);
-    let is_worth_a_row =
-        |entry: &&String| !matches!(settings::recent_line(entry), RecentLine::Port(name) if listed(name));
-    let entries: Vec<String> = settings.recent_ports.iter().filter(is_worth_a_row).cloned().collect();
-    if entries.is_empty() {
-        return;
-    }
-    widgets::section(ui, "Recent");
-    for entry in &entries {
-        ui.horizontal(|ui| match settings::recent_line(entry) {
-            RecentLine::Port(name) => {
-                choice(ui, settings, LineChoice::Port(name.to_owned()), name);
-                widgets::quiet(ui, "not listed");
-            }
-            RecentLine::Tcp(host) => {
-                recent_host(ui, settings, host);
-                widgets::quiet(ui, TCP);
-            }
-        });
-    }
-}
-
-fn recent_host(ui: &mut Ui, settings: &mut Settings, host: &str) {
-    let chosen = settings.line == LineChoice::Tcp && settings.host.trim() == host;
-    if ui.selectable_label(chosen, host).clicked() {
-        host.clone_into(&mut settings.host);
-        settings.line = LineChoice::Tcp;
-        ui.close();
     }
 }
 
@@ -418,6 +401,7 @@ fn unreadable(ui: &mut Ui, summary: &ScanSummary) {
 
 /// The buttons that an empty list offers.
 pub fn offers(ui: &mut Ui, pass: &mut Pass<'_>) {
+    recent::offer(ui, pass);
     let scanning = pass.bench.is_scanning();
     for (ready, name) in [(Ready::Quick, "Quick scan"), (Ready::Full, "Full scan")] {
         let action = pass.connect.scan(pass.bench, pass.settings, plan_of(ready, pass.settings));

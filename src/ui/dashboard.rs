@@ -1,8 +1,8 @@
 //! All modules that were found, in one table.
 
 use eframe::egui::{
-    Align, Button, Id, Rect, Response, Role, ScrollArea, Sense, Stroke, TextWrapMode, Ui, UiBuilder, WidgetInfo, pos2,
-    vec2,
+    Align, Button, Event, Id, Rect, Response, Role, ScrollArea, Sense, Stroke, TextWrapMode, Ui, UiBuilder, WidgetInfo,
+    pos2, vec2,
 };
 use egui_extras::TableBuilder;
 
@@ -11,6 +11,7 @@ use super::commands::{Command, toggled_polling};
 use super::connect::{self, Ready};
 use super::dashboard_table::{Cell, Column, Count, Line, Table};
 use super::settings::LineChoice;
+use super::tables::Sheet;
 use super::widgets::{self, Glyph};
 use super::{empty, theme};
 use crate::bench::{Action, Module, ScanState};
@@ -27,7 +28,7 @@ pub struct Dashboard {
 /// What the table asks for while it is drawn.
 enum Wish {
     Sort(Column),
-    Copy(String),
+    Copy(Sheet),
     Do(Action),
 }
 
@@ -61,7 +62,7 @@ impl Dashboard {
         for wish in wishes {
             match wish {
                 Wish::Sort(column) => self.sort_by(column),
-                Wish::Copy(text) => ui.ctx().copy_text(text),
+                Wish::Copy(sheet) => sheet.copy(ui.ctx()),
                 Wish::Do(action) => pass.actions.push(action),
             }
         }
@@ -161,7 +162,7 @@ fn toolbar(ui: &mut Ui, pass: &mut Pass<'_>, table: &Table, count: &Count, wishe
             }
         }
         if ui.button("Copy table").on_hover_text("As text, separated by tabs").clicked() {
-            wishes.push(Wish::Copy(table.as_text(None)));
+            wishes.push(Wish::Copy(table.sheet(None)));
         }
         ui.add_space(theme::GAP);
         counts(ui, count);
@@ -227,6 +228,9 @@ fn whole_line(ui: &mut Ui, width: f32, line: &Line, pass: &Pass<'_>, table: &Tab
     if response.clicked() {
         wishes.push(Wish::Do(Action::Show(line.target)));
     }
+    if response.has_focus() && ui.input(|input| input.events.contains(&Event::Copy)) {
+        wishes.push(Wish::Copy(table.sheet(Some(line.target))));
+    }
     if let Some(module) = pass.bench.module(&line.target) {
         response.context_menu(|ui| line_menu(ui, module, pass, table, wishes));
     }
@@ -239,8 +243,8 @@ fn line_menu(ui: &mut Ui, module: &Module, pass: &Pass<'_>, table: &Table, wishe
     let entries = [
         ("Open", true, Wish::Do(Action::Show(target))),
         (polling, pollable, Wish::Do(toggled_polling(module))),
-        ("Copy line", true, Wish::Copy(table.as_text(Some(target)))),
-        ("Copy table", true, Wish::Copy(table.as_text(None))),
+        ("Copy row", true, Wish::Copy(table.sheet(Some(target)))),
+        ("Copy table", true, Wish::Copy(table.sheet(None))),
         ("Remove from the list", true, Wish::Do(Action::Remove(target))),
     ];
     for (text, enabled, wish) in entries {

@@ -9,6 +9,7 @@ use jiff::Timestamp;
 use super::app::Pass;
 use super::module_list;
 use super::module_view::{Family, Freshness, Series, series_of};
+use super::tables::Sheet;
 use super::theme::{self, Palette};
 use super::widgets::Glyph;
 use super::words;
@@ -308,16 +309,13 @@ impl Table {
         });
     }
 
-    /// The table as text, separated by tabs; with `only`, that module's line alone.
-    pub fn as_text(&self, only: Option<Target>) -> String {
-        let heads: Vec<&str> = self.columns.iter().map(Column::label).collect();
-        let mut text = if only.is_none() { heads.join("\t") + "\n" } else { String::new() };
+    /// The table as it is copied; with `only`, that module's line alone.
+    pub fn sheet(&self, only: Option<Target>) -> Sheet {
+        let mut sheet = Sheet::new(self.columns.iter().map(Column::label));
         for line in self.lines.iter().filter(|line| only.is_none_or(|target| line.target == target)) {
-            let cells: Vec<String> = line.cells.iter().map(Cell::plain).collect();
-            text.push_str(&cells.join("\t"));
-            text.push('\n');
+            sheet.push(line.cells.iter().map(Cell::plain));
         }
-        text
+        sheet
     }
 }
 

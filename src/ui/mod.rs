@@ -11,6 +11,7 @@ mod dashboard;
 mod dashboard_table;
 mod diagnosis;
 mod dialogs;
+mod dropping;
 mod empty;
 mod faults;
 mod guard;
@@ -51,7 +52,7 @@ use pace::Pace;
 #[doc(hidden)]
 pub use trends::measure;
 
-pub use settings::{LineChoice, Settings, SettingsFile, TemperatureUnit, ThemeChoice};
+pub use settings::{LineChoice, RecentLine, Settings, SettingsFile, TemperatureUnit, ThemeChoice};
 
 use crate::bench::{Action, Bench, Severity};
 use crate::bus::{Bus, LineAddress};

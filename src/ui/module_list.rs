@@ -3,8 +3,10 @@
 use eframe::egui::{Align, Color32, Rect, Role, ScrollArea, Sense, Ui, pos2, vec2};
 
 use super::app::Pass;
+use super::dashboard_table::Table;
 use super::module_view::{Freshness, Series, series_of};
 use super::panes::Pane;
+use super::tables::{Part, copied};
 use super::theme::Palette;
 use super::widgets::{self, Glyph};
 use super::{theme, words};
@@ -117,6 +119,7 @@ fn row(ui: &mut Ui, pass: &Pass<'_>, module: &Module, shown: bool) -> bool {
         module.label(),
         words::address(module.target.address)
     ));
+    copied(&response, |part| Table::of(pass, palette).sheet((part == Part::Row).then_some(module.target)));
     response.clicked()
 }
 

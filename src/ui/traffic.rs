@@ -5,7 +5,7 @@ use eframe::egui::{Panel, Ui};
 use super::app::Pass;
 use super::saving::SaveAs;
 use super::tables::{
-    self, Act, Asked, CaptureFile, Column, Follower, Form, FramesFile, Line, Scroll, Selection, Table, Wanted,
+    self, Act, Asked, CaptureFile, Column, Follower, Form, FramesFile, Line, Scroll, Selection, Sheet, Table, Wanted,
 };
 use super::{theme, widgets, words};
 use crate::bench::traffic::{FrameFilter, FrameRef};
@@ -143,7 +143,9 @@ impl TrafficView {
         let range = if all { Some((0, u64::MAX)) } else { self.selection.range() };
         let Some((first, last)) = range else { return };
         let rows = (view.row_of(first)..view.len()).map_while(|row| view.seq(row).filter(|seq| *seq <= last));
-        ui.ctx().copy_text(rows.take(tables::MOST_COPIED).filter_map(|seq| tables::frame_text(bench, seq)).collect());
+        let mut sheet = Sheet::new(tables::FRAME_HEADER);
+        rows.take(tables::MOST_COPIED).filter_map(|seq| tables::frame_row(bench, seq)).for_each(|row| sheet.push(row));
+        sheet.copy(ui.ctx());
     }
 
     fn export(&self, bench: &Bench, form: Form) -> SaveAs {

@@ -160,6 +160,14 @@ pub fn describe(response: &Response, role: Role, text: &str) {
     response.widget_info(|| WidgetInfo::labeled(role, true, text));
 }
 
+/// Tells what a painted thing is called, and what it shows.
+pub fn tell(response: &Response, role: Role, name: &str, value: &str) {
+    response.widget_info(|| WidgetInfo {
+        current_text_value: Some(value.to_owned()),
+        ..WidgetInfo::labeled(role, response.enabled(), name)
+    });
+}
+
 /// A box that shows the choice and opens the list of choices.
 pub fn combo<'a>(id: &str, width: f32, chosen: &str) -> egui::ComboBox<'a> {
     egui::ComboBox::from_id_salt(id)

@@ -3,7 +3,7 @@
 use dcon_bench::bench::{Action, LineState, Presence, ScanState};
 use dcon_bench::module::Catalogue;
 use dcon_bench::sim::{Pace, TcpServer};
-use dcon_bench::ui::{LineChoice, Settings};
+use dcon_bench::ui::{LineChoice, RecentLine, Settings};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{self, vec2};
 use egui_kittest::kittest::Queryable;
@@ -210,17 +210,34 @@ fn a_series_that_is_switched_off_stays_off() {
 
 #[test]
 fn a_recent_host_is_chosen_with_a_click() {
-    let recent_ports = vec!["/dev/no-such-port".to_owned(), "tcp://bench.local:1502".to_owned()];
+    let recent_ports = vec!["/dev/no-such-port".into(), "tcp://bench.local:1502".into()];
     let settings = Settings { line: LineChoice::Simulated, recent_ports, ..Settings::default() };
     let mut window = window_with(&sim(&[], Pace::Skip), false, settings);
     click(&mut window, Role::ComboBox, "Line");
     assert!(shows(&window, "Recent"));
-    click(&mut window, Role::Button, "bench.local:1502");
+    click(&mut window, Role::Button, "Recent bench.local:1502");
     let settings = window.state().settings();
     assert_eq!((&settings.line, settings.host.as_str()), (&LineChoice::Tcp, "bench.local:1502"));
     click(&mut window, Role::ComboBox, "Line");
-    click(&mut window, Role::Button, "/dev/no-such-port");
+    click(&mut window, Role::Button, "Recent /dev/no-such-port");
     assert_eq!(window.state().settings().line, LineChoice::Port("/dev/no-such-port".to_owned()));
+    click(&mut window, Role::ComboBox, "Line");
+    click(&mut window, Role::Button, "Forget /dev/no-such-port");
+    let names: Vec<&str> = window.state().settings().recent_ports.iter().map(RecentLine::name).collect();
+    assert_eq!(names, ["bench.local:1502"]);
+}
+
+#[test]
+fn a_recent_line_is_connected_again_with_one_key() {
+    let sim = sim(&["pir-234@1"], Pace::Real);
+    let server = TcpServer::bind(&sim, "127.0.0.1:0".parse().unwrap()).unwrap();
+    let recent_ports = vec![format!("tcp://{}", server.address()).as_str().into()];
+    let settings = Settings { line: LineChoice::Simulated, recent_ports, ..Settings::default() };
+    let mut window = window_with(&sim, false, settings);
+    assert!(shows(&window, &format!("Connect {}", server.address())));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::L);
+    until(&mut window, "the module is found", |window| window.state().bench().modules().len() == 1);
+    assert_eq!(window.state().settings().line, LineChoice::Tcp);
 }
 
 #[test]
@@ -232,7 +249,7 @@ fn a_host_that_was_connected_is_remembered_and_one_that_was_not_is_not() {
     let mut window = window_with(&sim, false, settings);
     click(&mut window, Role::Button, "Scan");
     until(&mut window, "it is remembered", |window| {
-        window.state().settings().recent_ports == [format!("tcp://{host}")]
+        window.state().settings().recent_ports.iter().map(RecentLine::name).eq([host.as_str()])
     });
 
     let line = LineChoice::Port("/dev/no-such-port".to_owned());

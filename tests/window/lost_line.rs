@@ -5,7 +5,7 @@ use dcon_bench::bus::{Bus, BusEvent, LineAddress, RequestId};
 use dcon_bench::module::Catalogue;
 use dcon_bench::protocol::LineSettings;
 use dcon_bench::sim::{FaultKind, Faults, Pace};
-use dcon_bench::ui::{App, LineChoice, Settings, Start};
+use dcon_bench::ui::{App, LineChoice, RecentLine, Settings, Start};
 use eframe::egui::accesskit::Role;
 use eframe::egui::vec2;
 use egui_kittest::Harness;
@@ -152,7 +152,8 @@ fn an_adapter_that_returns_under_another_name_is_the_line_from_then_on() {
     assert!(told(window.state().bench(), "/dev/ttyUSB0 is there again as /dev/ttyUSB1"));
     let settings = window.state().settings();
     assert_eq!(settings.line, LineChoice::Port("/dev/ttyUSB1".to_owned()));
-    assert_eq!(settings.recent_ports, ["/dev/ttyUSB1", "/dev/ttyUSB0"]);
+    let names: Vec<&str> = settings.recent_ports.iter().map(RecentLine::name).collect();
+    assert_eq!(names, ["/dev/ttyUSB1", "/dev/ttyUSB0"]);
 }
 
 fn dismissals(window: &Window) -> Vec<String> {

@@ -144,7 +144,10 @@ fn a_click_shows_the_fields_of_a_frame_and_copy_copies_it() {
         }
         window.step();
     }
-    assert!(copied.contains("!01PIR234\\r") && copied.lines().count() == 1, "{copied:?}");
+    assert!(
+        copied.contains("!01PIR234\\r") && copied.lines().count() == 2 && copied.starts_with("Time (UTC)\tDirection"),
+        "{copied:?}"
+    );
 }
 
 #[test]

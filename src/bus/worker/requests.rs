@@ -45,6 +45,7 @@ impl Worker {
             BusCommand::Open { id, line, settings } => self.open(id, line, settings),
             BusCommand::Close { id } => self.close(id),
             BusCommand::Scan { id, plan } => self.begin_scan(id, plan),
+            BusCommand::Know(catalogue) => self.catalogue = catalogue,
             BusCommand::Identify { id, target } => {
                 let result = self.identify(target);
                 self.tell(BusEvent::Identified { id, target, result });

@@ -5,9 +5,10 @@ use eframe::egui::{
     WidgetInfo, vec2,
 };
 
-use super::watchdog;
+use super::explanation::explanation;
+use super::{item_sheet, watchdog};
 use crate::bench::{Action, ItemState, Module};
-use crate::module::{Access, Applies, Item, Kind, ModbusPlace, Value};
+use crate::module::{Applies, Item, Kind, Value};
 use crate::ui::app::Pass;
 use crate::ui::guard::Confirm;
 use crate::ui::theme::{self, Palette};
@@ -25,7 +26,7 @@ pub fn rows<'a>(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, ids: impl Int
 pub fn row(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, id: &str) {
     let Some(item) = module.item(id).filter(|item| module.has(item)) else { return };
     ui.horizontal(|ui| {
-        label(ui, item, theme::FORM_LABEL);
+        label(ui, module, item, theme::FORM_LABEL);
         if offers_seconds(item) {
             editor(ui, module, pass, item, theme::FORM_EDITOR_WIDE);
         } else {
@@ -37,50 +38,16 @@ pub fn row(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, id: &str) {
     });
 }
 
-/// The item's name; what it means stands on hover.
-pub fn label(ui: &mut Ui, item: &Item, width: f32) -> Response {
+/// The item's name; what it means stands on hover, and a right click copies its row.
+pub fn label(ui: &mut Ui, module: &Module, item: &Item, width: f32) -> Response {
     let colour = theme::palette(ui).quiet;
     let text = match item.applies {
         Applies::Init => format!("{}  (INIT)", item.label),
         Applies::Now => item.label.clone(),
     };
     let response = widgets::fixed_coloured(ui, width, Align::Min, &text, colour);
-    response.on_hover_text(explanation(item))
-}
-
-/// Help, allowed values, factory value, where it lives and where that is written.
-pub fn explanation(item: &Item) -> String {
-    let mut lines = vec![item.help.clone()];
-    if !item.read_only {
-        lines.push(format!("Values: {}", item.allowed()));
-    }
-    if let Some(factory) = &item.factory {
-        lines.push(format!("Factory: {}", item.text(factory)));
-    }
-    if item.applies == Applies::Init {
-        lines.push("Written in INIT mode only, in force after a power cycle".to_owned());
-    }
-    let places: Vec<String> = item.accesses.iter().filter_map(place).collect();
-    if !places.is_empty() {
-        lines.push(format!("Modbus: {}", places.join(", ")));
-    }
-    lines.push(format!("Name: {}   Manual: {}", item.id, item.source));
-    lines.join("\n")
-}
-
-/// `register 486 (wire 485)`.
-fn place(access: &Access) -> Option<String> {
-    let Access::Modbus(access) = access else { return None };
-    let (space, first, count) = match access.place {
-        ModbusPlace::Coils { first, count } => ("coil", first, count),
-        ModbusPlace::Holding { first, count } => ("register", first, count),
-        ModbusPlace::Input { first, count } => ("input register", first, count),
-    };
-    let wire = first.saturating_sub(1);
-    Some(match count {
-        1 => format!("{space} {first} (wire {wire})"),
-        _ => format!("{space}s {first} to {} (wire {wire})", first.saturating_add(count).saturating_sub(1)),
-    })
+    item_sheet::copies(&response, module, item);
+    response.on_hover_text(explanation(module, item))
 }
 
 /// What changes the item, as wide as told; text that only says it for an item that cannot be written.

@@ -78,7 +78,7 @@ impl LivePlot {
         if let Some(seconds) = cursor {
             cursor_line(ui, &layout, &view, seconds, palette);
         }
-        widgets::describe(&response, eframe::egui::Role::Canvas, "Plot");
+        widgets::tell(&response, eframe::egui::Role::Canvas, "Plot", &last_values(series));
     }
 
     fn tools(&mut self, ui: &mut Ui, settings: &mut Settings, latest: f64) {
@@ -265,6 +265,15 @@ fn cursor_line(ui: &Ui, layout: &Layout, view: &TimeView, seconds: f64, palette:
     let place = Rect::from_min_size(pos2(left, place.top()), place.size());
     ui.painter().rect_filled(place.expand2(vec2(theme::UNIT, 0.0)), theme::UNIT, palette.raised);
     ui.painter().galley(place.min, galley, palette.text);
+}
+
+/// `Temperature 24.99 °C, Motion quiet`: what a plot shows at its end.
+fn last_values(series: &[Series<'_>]) -> String {
+    let value = |series: &Series<'_>| {
+        let value = series.reading?.value.as_ref()?;
+        Some(format!("{} {} {}", series.label, series.word(value), series.unit).trim_end().to_owned())
+    };
+    series.iter().filter_map(value).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -14,7 +14,8 @@ use crate::capture;
 use crate::ui::app::Pass;
 use crate::ui::saving::{Contents, SaveAs};
 use crate::ui::tables::{
-    self, Act, Asked, CaptureFile, Cell, Column, EventsFile, Form, FramesFile, Line, Scroll, Selection, Table, Wanted,
+    self, Act, Asked, CaptureFile, Cell, Column, EventsFile, Form, FramesFile, Line, Scroll, Selection, Sheet, Table,
+    Wanted,
 };
 use crate::ui::{theme, widgets, words};
 
@@ -172,11 +173,21 @@ impl Log {
     fn copy(&self, ui: &Ui, module: &Module, bench: &Bench, all: bool) {
         let is_meant = |key: u64| all || self.selection.contains(key);
         let rows = (0..self.rows.len()).filter_map(|row| self.rows.get(row)).filter(|(key, _)| is_meant(*key));
-        let text = rows.filter_map(|(_, what)| match what {
-            What::Event(number) => rows::event(module, number).map(tables::event_text),
-            What::Frame(seq) => tables::frame_text(bench, seq),
-        });
-        ui.ctx().copy_text(text.take(tables::MOST_COPIED).collect());
+        let mut sheet = Sheet::new(["Time (UTC)", "Kind", "Event or meaning", "Address", "Bytes", "Took", "State"]);
+        for (_, what) in rows.take(tables::MOST_COPIED) {
+            match what {
+                What::Event(number) => {
+                    let Some(entry) = rows::event(module, number) else { continue };
+                    sheet.push([&format!("{:.6}", entry.at), entry.kind.label(), &entry.text, "", "", "", ""]);
+                }
+                What::Frame(seq) => {
+                    let Some(row) = tables::frame_row(bench, seq) else { continue };
+                    let [time, way, address, bytes, meaning, took, state] = &row;
+                    sheet.push([time, way, meaning, address, bytes, took, state]);
+                }
+            }
+        }
+        sheet.copy(ui.ctx());
     }
 
     fn export(&self, module: &Module, bench: &Bench, wanted: Wanted, form: Form) -> SaveAs {

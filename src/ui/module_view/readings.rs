@@ -4,6 +4,8 @@
 use eframe::egui::{Align, Rect, Response, Role, Sense, Ui, Vec2, pos2, vec2};
 use jiff::Timestamp;
 
+use super::explanation::explanation;
+use super::item_sheet;
 use super::series::{Freshness, Series};
 use crate::bench::Module;
 use crate::protocol::Failure;
@@ -51,7 +53,7 @@ fn number_cell(ui: &mut Ui, module: &Module, series: &Series<'_>, now: Timestamp
     let (note, colour) = note(series, &freshness, palette);
     let below = name.translate(vec2(0.0, theme::LEGEND_ROW)).with_max_y(rect.bottom());
     widgets::line_in(ui, beside_mark(below), Align::Min, &note, theme::small(), colour);
-    tell(response, series, &freshness);
+    tell(response, module, series, &freshness);
 }
 
 /// Paints the digits and their unit at the top of `rect`; the room at the right of the digits, where the unit stands.
@@ -107,7 +109,7 @@ pub(super) fn lamp_cell(ui: &mut Ui, size: Vec2, module: &Module, series: &Serie
     let place = widgets::line_in(ui, text, Align::Max, &word, theme::body(), colour);
     let name = text.with_max_x(place.left() - theme::UNIT);
     widgets::line_in(ui, name, Align::Min, series.label, theme::body(), palette.quiet);
-    tell(response, series, &freshness);
+    tell(response, module, series, &freshness);
 }
 
 pub(super) fn value_text(series: &Series<'_>) -> String {
@@ -130,7 +132,7 @@ fn note(series: &Series<'_>, freshness: &Freshness, palette: &Palette) -> (Strin
 }
 
 /// Name, value and state for the pointer and for assistive technology.
-pub(super) fn tell(response: Response, series: &Series<'_>, freshness: &Freshness) {
+pub(super) fn tell(response: Response, module: &Module, series: &Series<'_>, freshness: &Freshness) {
     let value = value_text(series);
     let unit = if series.unit.is_empty() { String::new() } else { format!(" {}", series.unit) };
     let state = match freshness {
@@ -140,5 +142,7 @@ pub(super) fn tell(response: Response, series: &Series<'_>, freshness: &Freshnes
     };
     let problem = series.problem().map(|problem| format!("\n{problem}")).unwrap_or_default();
     widgets::describe(&response, Role::Label, &format!("{} {value}{unit}{state}", series.label));
-    response.on_hover_text(format!("{} {value}{unit}{state}{problem}\n{}", series.label, series.item.help));
+    item_sheet::copies(&response, module, series.item);
+    let help = explanation(module, series.item);
+    response.on_hover_text(format!("{} {value}{unit}{state}{problem}\n{help}", series.label));
 }

@@ -3,12 +3,14 @@
 use eframe::egui::{Align, Checkbox, Color32, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use jiff::{Timestamp, tz::TimeZone};
 
-use super::{form, theme};
+use super::explanation::explanation;
+use super::{item_sheet, theme};
 use crate::bench::summary::{self, Entry, Group};
 use crate::bench::{Action, Module, Presence, Severity};
 use crate::ui::app::Pass;
 use crate::ui::picture::{self, Look};
 use crate::ui::saving::{SaveAs, WholeText};
+use crate::ui::tables::{Part, copied};
 use crate::ui::widgets::{self, Glyph};
 use crate::ui::words;
 
@@ -219,8 +221,12 @@ fn row(ui: &mut Ui, module: &Module, entry: &Entry, now: Timestamp) {
     }
     line(columns.read, Align::Min, &remark.read, palette.old);
     let problem = entry.problem.as_ref().map(|problem| format!("{problem}\n")).unwrap_or_default();
+    copied(&response, |part| match (part, module.item(&entry.id)) {
+        (Part::Row, Some(item)) => item_sheet::sheet(module, [item]),
+        _ => item_sheet::whole(module),
+    });
     response.on_hover_ui(|ui| {
-        let help = module.item(&entry.id).map(form::explanation).unwrap_or_default();
+        let help = module.item(&entry.id).map(|item| explanation(module, item)).unwrap_or_default();
         ui.label(format!("{problem}{help}"));
     });
 }

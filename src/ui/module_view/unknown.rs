@@ -48,6 +48,7 @@ fn said(ui: &mut Ui, title: &str, text: &str) {
         widgets::fixed_coloured(ui, theme::ROW_NAME, eframe::egui::Align::Min, title, theme::palette(ui).quiet);
         let mut shown = if text.is_empty() { "nothing" } else { text };
         let field = TextEdit::multiline(&mut shown).desired_rows(1).desired_width(f32::INFINITY);
-        ui.add(field.font(eframe::egui::TextStyle::Monospace));
+        let response = ui.add(field.font(eframe::egui::TextStyle::Monospace));
+        widgets::tell(&response, eframe::egui::Role::MultilineTextInput, title, text);
     });
 }

@@ -1,6 +1,6 @@
 //! The menu: every command with its keys, and how the window looks.
 
-use eframe::egui::{self, Button, DragValue, Layout, Response, Role, Ui, WidgetInfo, vec2};
+use eframe::egui::{self, Button, DragValue, Layout, Response, Role, ScrollArea, Ui, WidgetInfo, vec2};
 
 use super::{TemperatureUnit, ThemeChoice, ZOOMS, milliseconds};
 use crate::bench::Action;
@@ -14,25 +14,31 @@ const ZOOM_STEP: f32 = 0.1;
 /// The menu at the right end of the top row.
 pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
     widgets::menu(ui, "Menu", "Menu", |ui| {
-        // Two columns, because one would be higher than a small window.
-        ui.with_layout(Layout::left_to_right(egui::Align::Min), |ui| {
-            column(ui, |ui| {
-                group(ui, pass, "Line", commands::LINE);
-                ui.add_space(theme::GAP);
-                group(ui, pass, "Module in view", commands::MODULE);
-                ui.add_space(theme::GAP);
-                group(ui, pass, "Recording", commands::RECORDING);
-            });
+        // In a small window, or with large text, not all of it has room.
+        let room = ui.ctx().content_rect().size() - vec2(4.0 * theme::GAP, 4.0 * theme::GAP + theme::TAB_HEIGHT);
+        ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| columns(ui, pass));
+    });
+}
+
+/// Two columns, because one would be higher than a small window.
+fn columns(ui: &mut Ui, pass: &mut Pass<'_>) {
+    ui.with_layout(Layout::left_to_right(egui::Align::Min), |ui| {
+        column(ui, |ui| {
+            group(ui, pass, "Line", commands::LINE);
             ui.add_space(theme::GAP);
-            column(ui, |ui| {
-                group(ui, pass, "Tabs", commands::TABS);
-                ui.add_space(theme::GAP);
-                looks(ui, pass);
-                ui.add_space(theme::GAP);
-                patience(ui, pass);
-                ui.add_space(theme::GAP);
-                group(ui, pass, "Program and help", commands::PROGRAM);
-            });
+            group(ui, pass, "Module in view", commands::MODULE);
+            ui.add_space(theme::GAP);
+            group(ui, pass, "Recording", commands::RECORDING);
+        });
+        ui.add_space(theme::GAP);
+        column(ui, |ui| {
+            group(ui, pass, "Tabs", commands::TABS);
+            ui.add_space(theme::GAP);
+            looks(ui, pass);
+            ui.add_space(theme::GAP);
+            patience(ui, pass);
+            ui.add_space(theme::GAP);
+            group(ui, pass, "Program and help", commands::PROGRAM);
         });
     });
 }
@@ -56,11 +62,13 @@ fn group(ui: &mut Ui, pass: &mut Pass<'_>, title: &str, commands: &[Command]) {
 fn entry(ui: &mut Ui, pass: &mut Pass<'_>, command: Command) {
     let obstacle = command.obstacle(pass);
     let keys = command.shortcut().map(|shortcut| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default();
-    let button = Button::selectable(false, command.text())
+    let text = command.text_now(pass);
+    let button = Button::selectable(false, text.as_str())
+        .truncate()
         .shortcut_text(keys)
         .min_size(vec2(ui.available_width(), theme::CONTROL_HEIGHT));
     let response = ui.add_enabled(obstacle.is_none(), button);
-    response.widget_info(|| WidgetInfo::labeled(Role::MenuItem, obstacle.is_none(), command.text()));
+    response.widget_info(|| WidgetInfo::labeled(Role::MenuItem, obstacle.is_none(), &text));
     let response = response.on_hover_text(command.explanation());
     if response.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
         pass.commands.push(command);
@@ -82,8 +90,33 @@ fn looks(ui: &mut Ui, pass: &mut Pass<'_>) {
             ui.radio_value(&mut pass.settings.temperature, unit, unit.symbol());
         }
     });
-    let size = format!("Size  {:.0} %", ui.ctx().zoom_factor() * 100.0);
-    group(ui, pass, &size, commands::SIZE);
+    size(ui);
+    commands::SIZE.iter().for_each(|command| entry(ui, pass, *command));
+}
+
+/// How large everything is drawn; it is put in force when the field is left, so that nothing moves under the pointer.
+fn size(ui: &mut Ui) {
+    widgets::section(ui, "Size of everything");
+    let id = ui.scope_id().with("size");
+    let in_force = f64::from(ui.ctx().zoom_factor()) * 100.0;
+    let mut percent = ui.data(|data| data.get_temp(id)).unwrap_or(in_force.round());
+    let range = f64::from(*ZOOMS.start()) * 100.0..=f64::from(*ZOOMS.end()) * 100.0;
+    let field = DragValue::new(&mut percent).range(range).speed(1.0).fixed_decimals(0).suffix(" %");
+    let response = ui.horizontal(|ui| {
+        // In a menu buttons have no ground, but this is a field.
+        ui.visuals_mut().widgets.inactive.weak_bg_fill = theme::palette(ui).raised;
+        ui.add(field)
+    });
+    let response = response.inner.on_hover_text("Text and everything else; 100 % is as large as the system wants it");
+    name_number(&response, "Size", percent);
+    if response.dragged() || response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, percent));
+    } else {
+        ui.data_mut(|data| data.remove::<f64>(id));
+        if response.lost_focus() || response.drag_stopped() {
+            ui.ctx().set_zoom_factor((percent / 100.0) as f32);
+        }
+    }
 }
 
 /// How long answers are waited for, and how often a read is asked again.

@@ -5,6 +5,7 @@
 
 mod file;
 mod menu;
+mod recent;
 mod table;
 
 use std::collections::BTreeSet;
@@ -16,8 +17,9 @@ use serde::{Deserialize, Serialize, Serializer};
 
 pub use file::{Opened, SettingsFile, open};
 pub use menu::{menu, zoom_by};
+pub use recent::{MOST as RECENT_PORTS, Now, Place, RecentLine};
 
-use crate::bus::{LineAddress, MODBUS_TCP_PORT, Tuning};
+use crate::bus::{LineAddress, PortInfo, Tuning};
 use crate::protocol::LineSettings;
 use crate::record::Keeping;
 
@@ -27,9 +29,8 @@ const DEFAULT_SPAN: f64 = 60.0;
 pub const SPANS: RangeInclusive<f64> = 2.0..=86_400.0;
 /// Spans to choose from, in seconds.
 pub const NAMED_SPANS: [f64; 4] = [60.0, 300.0, 900.0, 3_600.0];
-const ZOOMS: RangeInclusive<f32> = 0.5..=3.0;
-/// Lines remembered.
-pub const RECENT_PORTS: usize = 8;
+/// How large everything in the window can be drawn.
+const ZOOMS: RangeInclusive<f32> = 0.8..=3.0;
 /// Series of the trends remembered.
 const TREND_SERIES: usize = 500;
 /// Commands remembered.
@@ -41,9 +42,6 @@ pub const LEAST_FILE_MEGABYTES: u32 = 10;
 pub const MOST_MEGABYTES: u32 = 100_000_000;
 /// Bytes of a megabyte.
 pub const MEGABYTE: u64 = 1_000_000;
-/// Stands before a host in the list of recent lines, so that no port's name is taken for one.
-const TCP_MARK: &str = "tcp://";
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ThemeChoice {
@@ -120,8 +118,8 @@ pub struct Settings {
     /// Of Modbus TCP.
     pub host: String,
     pub line_settings: LineSettings,
-    /// Lines that were opened, the latest first: a port's name, or a host after `tcp://`. See [`recent_line`].
-    pub recent_ports: Vec<String>,
+    /// Lines that were opened, the latest first.
+    pub recent_ports: Vec<RecentLine>,
     /// Scripts that were run, the latest first.
     pub recent_scripts: Vec<String>,
     /// Commands that were typed, the latest first, each once.
@@ -196,7 +194,8 @@ impl Settings {
         self.make_keeping_valid(warnings);
         self.make_tuning_valid(warnings);
         tidy(&mut self.trend_series, TREND_SERIES);
-        tidy(&mut self.recent_ports, RECENT_PORTS);
+        self.recent_ports.retain(|recent| !recent.is_empty());
+        self.recent_ports.truncate(RECENT_PORTS);
         tidy(&mut self.recent_scripts, SCRIPTS);
         tidy(&mut self.command_history, HISTORY);
     }
@@ -273,17 +272,21 @@ impl Settings {
 
     /// The keyboard zooms too (Ctrl with plus and minus), so what is in force is looked up.
     pub fn note_zoom(&mut self, ctx: &egui::Context) {
-        self.zoom = ctx.zoom_factor();
+        self.zoom = ctx.zoom_factor().clamp(*ZOOMS.start(), *ZOOMS.end());
+        if self.zoom != ctx.zoom_factor() {
+            ctx.set_zoom_factor(self.zoom);
+        }
     }
 
-    /// Remembers a line that was opened. A simulated one is always there and needs no remembering.
-    pub fn note_line(&mut self, line: &LineAddress) {
-        let entry = match line {
-            LineAddress::Serial { port } => port.clone(),
-            LineAddress::Tcp { host, port } => format!("{TCP_MARK}{}", host_text(host, *port)),
-            LineAddress::Simulated { .. } => return,
-        };
-        put_first(&mut self.recent_ports, entry, RECENT_PORTS);
+    /// Remembers a line that was opened with these settings; `present` are the ports that are there.
+    pub fn note_line(&mut self, line: &LineAddress, settings: LineSettings, present: &[PortInfo]) {
+        let Some(recent) = RecentLine::of(line, settings, present) else { return };
+        if self.recent_ports.first() == Some(&recent) {
+            return;
+        }
+        self.recent_ports.retain(|other| !other.is_same(&recent));
+        self.recent_ports.insert(0, recent);
+        self.recent_ports.truncate(RECENT_PORTS);
     }
 
     pub fn note_script(&mut self, script: impl Into<String>) {
@@ -292,28 +295,6 @@ impl Settings {
 
     pub fn note_command(&mut self, command: impl Into<String>) {
         put_first(&mut self.command_history, command.into(), HISTORY);
-    }
-}
-
-/// A line that was opened before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RecentLine<'a> {
-    Port(&'a str),
-    /// As it is typed: `HOST` or `HOST:PORT`.
-    Tcp(&'a str),
-}
-
-/// What an entry of [`Settings::recent_ports`] means.
-pub fn recent_line(entry: &str) -> RecentLine<'_> {
-    entry.strip_prefix(TCP_MARK).map_or(RecentLine::Port(entry), RecentLine::Tcp)
-}
-
-/// The host as it is typed; the usual port is left out.
-fn host_text(host: &str, port: u16) -> String {
-    match port {
-        MODBUS_TCP_PORT => host.to_owned(),
-        _ if host.contains(':') => format!("[{host}]:{port}"),
-        _ => format!("{host}:{port}"),
     }
 }
 
@@ -407,26 +388,14 @@ mod tests {
     #[test]
     fn the_line_opened_last_stands_first_and_the_ninth_is_forgotten() {
         let mut settings = Settings::default();
+        let mut note = |line: &LineAddress| settings.note_line(line, LineSettings::default(), &[]);
         for number in 0..9 {
-            settings.note_line(&LineAddress::Serial { port: format!("COM{number}") });
+            note(&LineAddress::Serial { port: format!("COM{number}") });
         }
-        settings.note_line(&LineAddress::Serial { port: "COM4".to_owned() });
-        settings.note_line(&LineAddress::demo());
-        assert_eq!(settings.recent_ports, ["COM4", "COM8", "COM7", "COM6", "COM5", "COM3", "COM2", "COM1"]);
-    }
-
-    #[test]
-    fn a_recent_host_reads_back_as_the_same_line() {
-        for typed in ["192.168.255.1", "bench.local:1502", "fe80::1", "[fe80::1]:1502"] {
-            let line = LineAddress::tcp(typed).unwrap();
-            let mut settings = Settings::default();
-            settings.note_line(&line);
-            let RecentLine::Tcp(text) = recent_line(&settings.recent_ports[0]) else { panic!("{typed} became a port") };
-            assert_eq!(text, typed);
-            assert_eq!(LineAddress::tcp(text).unwrap().to_string(), line.to_string());
-        }
-        let by_path = "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0";
-        assert_eq!(recent_line(by_path), RecentLine::Port(by_path));
+        note(&LineAddress::Serial { port: "COM4".to_owned() });
+        note(&LineAddress::demo());
+        let names: Vec<&str> = settings.recent_ports.iter().map(RecentLine::name).collect();
+        assert_eq!(names, ["COM4", "COM8", "COM7", "COM6", "COM5", "COM3", "COM2", "COM1"]);
     }
 
     #[test]

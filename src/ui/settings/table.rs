@@ -37,7 +37,8 @@ pub fn read(table: &Table) -> (Settings, Vec<String>) {
                     items.iter().filter(|item| attempt(Value::Array(vec![(*item).clone()])).is_ok()).cloned().collect();
                 let unusable = items.len().saturating_sub(read.len());
                 if unusable > 0 {
-                    warnings.push(format!("{unusable} of {} entries of \"{key}\" are no text – left out", items.len()));
+                    warnings
+                        .push(format!("{unusable} of {} entries of \"{key}\" cannot be used – left out", items.len()));
                 }
                 usable.insert(key.clone(), Value::Array(read));
             }
@@ -123,7 +124,7 @@ pub fn overlay(table: &mut Table, before: Option<&Settings>, now: &Settings) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LineChoice, TemperatureUnit, ThemeChoice};
+    use super::super::{LineChoice, RecentLine, TemperatureUnit, ThemeChoice};
     use super::*;
     use crate::protocol::{BaudRate, DataFormat, LineSettings};
 
@@ -146,7 +147,7 @@ mod tests {
             other_port: "COM12".to_owned(),
             host: "bench:1502".to_owned(),
             line_settings: LineSettings { baud_rate: BaudRate::new(115_200).unwrap(), data_format: DataFormat::O81 },
-            recent_ports: texts("COM3"),
+            recent_ports: texts("COM3").iter().map(|text| text.as_str().into()).collect(),
             recent_scripts: texts("a.txt"),
             command_history: texts("$01M"),
             layout: Some("(root: Some(1),\n tiles: {\"a\": 'b'})".to_owned()),
@@ -197,7 +198,7 @@ mod tests {
             "recent_ports = ['COM3', 5, 'COM4']\n[line_settings]\nbaud_rate = 9601\ndata_format = 'e81'\nparity = 'x'";
         let (read, warnings) = read_text(text);
         assert_eq!(read.line_settings, LineSettings { baud_rate: BaudRate::B9600, data_format: DataFormat::E81 });
-        assert_eq!(read.recent_ports, ["COM3", "COM4"]);
+        assert_eq!(read.recent_ports, ["COM3", "COM4"].map(RecentLine::from));
         assert!(warnings.iter().any(|text| text.contains("line_settings.baud_rate") && text.contains("9601")));
         assert!(warnings.iter().any(|text| text.contains("1 of 3 entries of \"recent_ports\"")), "{warnings:?}");
         assert_eq!(warnings.len(), 2);

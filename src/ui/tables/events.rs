@@ -2,7 +2,7 @@
 
 use eframe::egui::Color32;
 
-use crate::bench::{Entry, EntryKind};
+use crate::bench::EntryKind;
 use crate::ui::theme::Palette;
 use crate::ui::widgets::Glyph;
 
@@ -20,9 +20,4 @@ pub fn kind_mark(kind: EntryKind, palette: &Palette) -> (Glyph, Color32) {
         EntryKind::Done => (Glyph::Square, palette.accent),
         EntryKind::Note => (Glyph::Ring, palette.quiet),
     }
-}
-
-/// An event as a line of text, its parts parted by tabs.
-pub fn event_text(entry: &Entry) -> String {
-    format!("{:.6}\t{}\t{}\n", entry.at, entry.kind.label(), entry.text)
 }

@@ -82,19 +82,21 @@ pub fn look(
     ]
 }
 
-/// A frame as a line of text, its parts parted by tabs.
-pub fn as_text(bench: &Bench, seq: u64) -> Option<String> {
+/// What [`as_row`] tells.
+pub const HEADER: [&str; 7] = ["Time (UTC)", "Direction", "Address", "Bytes", "Meaning", "Took", "State"];
+
+/// A frame as it is copied, with all of its bytes.
+pub fn as_row(bench: &Bench, seq: u64) -> Option<[String; 7]> {
     let frame = bench.traffic().get(seq)?;
     let request = bench.traffic().request_of(seq);
     let explain = |frame: &FrameRef<'_>, request: Option<&FrameRef<'_>>| bench.explain_frame(frame, request).summary;
-    let address = frame.address.map_or_else(String::new, |address| address.to_string());
-    Some(format!(
-        "{:.6}\t{}\t{address}\t{}\t{}\t{}\t{}\n",
-        frame.at,
-        direction_mark(frame.direction).1,
+    Some([
+        format!("{:.6}", frame.at),
+        direction_mark(frame.direction).1.to_owned(),
+        frame.address.map_or_else(String::new, |address| address.to_string()),
         if frame.protocol == Protocol::Dcon { hex::escaped(frame.bytes) } else { hex::spaced(frame.bytes) },
         told(&frame, request.as_ref(), &explain),
         words::milliseconds(frame.took),
-        frame.outcome.word(),
-    ))
+        frame.outcome.word().to_owned(),
+    ])
 }

@@ -8,16 +8,18 @@ mod follower;
 mod frames;
 mod scroll;
 mod selection;
+mod sheet;
 mod table;
 
 pub use bar::{Asked, Wanted, controls, count, search};
 pub use details::{frame as frame_details, text as text_details};
-pub use events::{event_text, kind_mark};
+pub use events::kind_mark;
 pub use export::{CaptureFile, EventsFile, Form, FramesFile};
 pub use follower::Follower;
-pub use frames::{as_text as frame_text, look as frame_look};
+pub use frames::{HEADER as FRAME_HEADER, as_row as frame_row, look as frame_look};
 pub use scroll::Scroll;
 pub use selection::Selection;
+pub use sheet::{Part, Sheet, copied};
 pub use table::{Act, Cell, Column, Line, Table};
 
 /// Rows put on the clipboard at once; more would hold the window up, and are what exports are for.

@@ -7,6 +7,7 @@ use egui_extras::{Column as Room, TableBuilder, TableRow};
 
 use super::scroll::Scroll;
 use super::selection::Selection;
+use super::sheet::{self, Part};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -197,7 +198,7 @@ impl Table<'_> {
             scroll.reveal = Some(row);
         }
         let copies = ui.input(|input| input.events.iter().any(|event| matches!(event, egui::Event::Copy)));
-        copies.then_some(Act::CopyChosen)
+        copies.then_some(if selection.current().is_some() { Act::CopyChosen } else { Act::CopyAll })
     }
 }
 
@@ -285,14 +286,8 @@ fn choose(response: &Response, selection: &mut Selection, key: u64) {
 }
 
 fn menu(ui: &mut Ui) -> Option<Act> {
-    let mut act = None;
-    if ui.button("Copy").clicked() {
-        act = Some(Act::CopyChosen);
-        ui.close();
-    }
-    if ui.button("Copy all shown").clicked() {
-        act = Some(Act::CopyAll);
-        ui.close();
-    }
-    act
+    sheet::entries(ui).map(|part| match part {
+        Part::Row => Act::CopyChosen,
+        Part::Table => Act::CopyAll,
+    })
 }

@@ -15,7 +15,7 @@ use crate::record::{
 };
 use crate::ui::app::Pass;
 use crate::ui::saving::SaveAs;
-use crate::ui::tables::{self, Act, Asked, Cell, Column, Form, Line, Scroll, Selection, Table, Wanted};
+use crate::ui::tables::{self, Act, Asked, Cell, Column, Form, Line, Scroll, Selection, Sheet, Table, Wanted};
 use crate::ui::theme::{self, Palette};
 use crate::ui::widgets::{self, Glyph};
 use crate::ui::words;
@@ -175,11 +175,12 @@ impl EventList {
         let rows = shown.clone().filter_map(|place| self.rows.get(place));
         let meant = rows.filter(|row| all || self.selection.contains(row.key));
         let events = meant.filter_map(|row| rows::event(source.history, row.number));
-        let text = events.map(|event| {
+        let mut sheet = Sheet::new(["Time (UTC)", "Module", "Kind", "Event"]);
+        for event in events.take(tables::MOST_COPIED) {
             let module = event.module.and_then(|module| names.get(&module)).map_or("", String::as_str);
-            format!("{:.6}\t{module}\t{}\t{}\n", event.at, event.kind.label(), event.text)
-        });
-        ui.ctx().copy_text(text.take(tables::MOST_COPIED).collect());
+            sheet.push([&format!("{:.6}", event.at), module, event.kind.label(), &event.text]);
+        }
+        sheet.copy(ui.ctx());
     }
 
     fn export(&self, source: &Source<'_>, pass: &Pass<'_>, shown: &Range<usize>, form: Form) -> SaveAs {

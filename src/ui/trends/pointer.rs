@@ -121,8 +121,9 @@ impl Area {
                 let rect = areas.axis(axis.side);
                 let id = ui.scope_id().with(("axis", model.index, axis.side == Side::Left));
                 let response = ui.interact(rect, id, Sense::click_and_drag());
-                widgets::describe(&response, Role::Slider, &format!("Axis {}", axis.unit));
                 let [low, high] = [*axis.scale.values.start(), *axis.scale.values.end()];
+                let name = format!("Axis {}", axis.unit);
+                widgets::tell(&response, Role::Slider, &name, &format!("{low:.2} to {high:.2}"));
                 if let Some(pointer) = response.hover_pos() {
                     let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
                     let factor = (-f64::from(scroll) * ZOOM_PER_POINT).exp() / f64::from(pinch);
@@ -149,6 +150,7 @@ impl Area {
     pub(super) fn borders(&mut self, ui: &Ui, layout: &Layout) {
         for (index, rect) in layout.borders.iter().enumerate() {
             let response = ui.interact(*rect, ui.scope_id().with(("border", index)), Sense::click_and_drag());
+            widgets::describe(&response, Role::Splitter, &format!("Border {} of the plots", index + 1));
             let response = response.on_hover_cursor(CursorIcon::ResizeVertical);
             if response.hovered() || response.dragged() {
                 let stroke = Stroke::new(theme::HAIRLINE, theme::palette(ui).accent);

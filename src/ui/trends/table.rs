@@ -9,7 +9,8 @@ use super::curve::{Curve, Value};
 use super::legend;
 use super::scene::Scene;
 use super::window::span_text;
-use crate::record::Statistics;
+use crate::record::{SeriesId, Statistics};
+use crate::ui::tables::{Part, Sheet, copied};
 use crate::ui::{theme, widgets, words};
 
 const COLUMNS: [&str; 11] =
@@ -79,6 +80,7 @@ impl Table<'_> {
                 let told: Vec<String> =
                     COLUMNS.iter().zip(&said.cells).filter(|(_, cell)| !cell.is_empty()).map(pair).collect();
                 widgets::describe(&response, eframe::egui::Role::Row, &format!("{}: {}", said.name, told.join(", ")));
+                copied(&response, |part| self.sheet((part == Part::Row).then_some(curve.id)));
                 for cell in &said.cells {
                     row.col(|ui| {
                         let (rect, colour) = (ui.max_rect(), theme::palette(ui).text);
@@ -108,7 +110,7 @@ impl Table<'_> {
         let mut clear = false;
         widgets::at_right(ui, |ui| {
             if ui.button("Copy table").on_hover_text("As text, its columns parted by tabs").clicked() {
-                ui.ctx().copy_text(self.text());
+                self.sheet(None).copy(ui.ctx());
             }
             let button = ui.add_enabled(self.cursors.any(), eframe::egui::Button::new("Clear cursors"));
             clear = button.on_disabled_hover_text("Click into the plots to place one").clicked();
@@ -132,14 +134,14 @@ impl Table<'_> {
         Row { name: curve.name(), unit: curve.info.unit.clone(), cells }
     }
 
-    /// All of it with tabs between the columns.
-    fn text(&self) -> String {
-        let mut text = format!("Series\tUnit\t{}\n", COLUMNS.join("\t"));
-        for (curve, _) in self.curves {
+    /// All of it as it is copied, or one row.
+    fn sheet(&self, only: Option<SeriesId>) -> Sheet {
+        let mut sheet = Sheet::new(["Series", "Unit"].into_iter().chain(COLUMNS));
+        for (curve, _) in self.curves.iter().filter(|(curve, _)| only.is_none_or(|only| only == curve.id)) {
             let Row { name, unit, cells } = self.row(curve);
-            text.push_str(&format!("{name}\t{unit}\t{}\n", cells.join("\t")));
+            sheet.push([name, unit].iter().chain(&cells));
         }
-        text
+        sheet
     }
 }
 
@@ -215,7 +217,7 @@ mod tests {
     use super::super::choice::Side;
     use super::super::testing;
     use super::*;
-    use crate::record::{History, SeriesId, SeriesKind};
+    use crate::record::{History, SeriesKind};
     use crate::ui::plot::{TimeView, Zone};
     use eframe::egui::Rangef;
 
@@ -236,7 +238,7 @@ mod tests {
         let scene = Scene { history: &history, bench: None, view, zone: Zone::Utc, pointer };
         let shown = |id| Shown { id, plot: 0, side: Side::Left, colour: 0, hidden: false };
         let curves: Vec<(Curve<'_>, Shown)> = ids.map(|id| (Curve::of(&history, id).unwrap(), shown(id))).into();
-        Table { scene: &scene, cursors: &Cursors { at: cursors }, curves: &curves }.text()
+        Table { scene: &scene, cursors: &Cursors { at: cursors }, curves: &curves }.sheet(None).into_text()
     }
 
     #[test]

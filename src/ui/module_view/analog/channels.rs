@@ -36,7 +36,7 @@ fn cell(ui: &mut Ui, size: Vec2, module: &Module, series: &Series<'_>, twin: Opt
     let room = readings::digits(ui, upper, series, &freshness);
     readings::name_line(ui, upper.with_min_y(upper.top() + readings::DIGITS_HEIGHT), series, &freshness);
     let response = ui.interact(upper, ui.scope_id().with((series.stem, "digits")), Sense::hover());
-    readings::tell(response, series, &freshness);
+    readings::tell(response, module, series, &freshness);
     if let Some(twin) = twin {
         in_other_unit(ui, room.with_min_x(room.left() + theme::CHANNEL_UNIT), twin, twin.freshness(module, now));
     }

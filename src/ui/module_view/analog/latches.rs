@@ -6,6 +6,8 @@ use std::time::Duration;
 use eframe::egui::{Align, Color32, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, pos2, vec2};
 use jiff::Timestamp;
 
+use super::super::explanation::explanation;
+use super::super::item_sheet;
 use super::super::series::Series;
 use crate::bench::{self, Module, Presence, Reading};
 use crate::module::{self, Item};
@@ -190,7 +192,8 @@ fn latch(ui: &mut Ui, module: &Module, item: &Item, extreme: Extreme, now: Times
     };
     widgets::describe(&response, Role::Label, &format!("{}: {text}{state}", item.label));
     let problem = problem.map(|problem| format!("\n{problem}")).unwrap_or_default();
-    response.on_hover_text(format!("{}: {text}{state}{problem}\n{}", item.label, item.help));
+    item_sheet::copies(&response, module, item);
+    response.on_hover_text(format!("{}: {text}{state}{problem}\n{}", item.label, explanation(module, item)));
 }
 
 /// A triangle that points up or down; a dash would be a value that is not known.

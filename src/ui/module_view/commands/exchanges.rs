@@ -13,6 +13,7 @@ use crate::bus::RequestId;
 use crate::module::ExplainedField;
 use crate::protocol::hex;
 use crate::ui::app::Pass;
+use crate::ui::tables::{Part, Sheet, copied};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -89,7 +90,11 @@ impl Exchanges {
             if toggle.clicked() {
                 self.open.insert(exchange.id, !open);
             }
-            widgets::fixed_coloured(ui, theme::EXCHANGE_TIME, Align::Min, &time(exchange), palette.quiet);
+            let when = widgets::fixed_coloured(ui, theme::EXCHANGE_TIME, Align::Min, &time(exchange), palette.quiet);
+            copied(&when, |part| match part {
+                Part::Row => sheet(module, [exchange]),
+                Part::Table => sheet(module, module.console.log().iter()),
+            });
             ui.add(Label::new(RichText::new(exchange.sent.to_string()).monospace().color(palette.accent)).truncate());
             if let Some(line) = exchange.line {
                 widgets::quiet_small(ui, &format!("line {line}"));
@@ -183,6 +188,20 @@ fn explained(ui: &mut Ui, field: &ExplainedField) {
 /// Local time with milliseconds.
 fn time(exchange: &Exchange) -> String {
     exchange.at.to_zoned(TimeZone::system()).strftime("%H:%M:%S%.3f").to_string()
+}
+
+/// Exchanges as a table.
+fn sheet<'a>(module: &Module, exchanges: impl IntoIterator<Item = &'a Exchange>) -> Sheet {
+    let mut sheet = Sheet::new(["Time (UTC)", "Sent", "Answer", "Meaning", "Took (ms)"]);
+    for exchange in exchanges {
+        let meaning = sending::meaning_of_answer(module, exchange).map(|meaning| meaning.summary);
+        let failure = exchange.result.iter().find_map(|result| result.as_ref().err()).map(ToString::to_string);
+        let took = exchange.took.map(|took| format!("{:.1}", took.as_secs_f64() * 1e3));
+        let [answer, meaning, took] =
+            [failure.or_else(|| exchange.answer_text()), meaning, took].map(Option::unwrap_or_default);
+        sheet.push([format!("{:.6}", exchange.at), exchange.sent.to_string(), answer, meaning, took]);
+    }
+    sheet
 }
 
 /// An exchange as lines of text.

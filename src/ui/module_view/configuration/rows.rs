@@ -12,7 +12,7 @@ use crate::ui::{theme, widgets, words};
 pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, id: &str) {
     let Some(item) = module.item(id).filter(|item| module.has(item)) else { return };
     ui.horizontal(|ui| {
-        form::label(ui, item, theme::CONFIGURATION_LABEL);
+        form::label(ui, module, item, theme::CONFIGURATION_LABEL);
         if item.on_request {
             on_request(ui, module, pass, item);
         } else {

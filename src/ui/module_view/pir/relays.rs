@@ -8,6 +8,7 @@ use eframe::egui::{
 use crate::bench::{Action, EditState, ItemState, Module};
 use crate::module::{Item, ItemKind, Value};
 use crate::ui::app::Pass;
+use crate::ui::module_view::explanation::explanation;
 use crate::ui::module_view::form;
 use crate::ui::module_view::series::{Freshness, Series};
 use crate::ui::module_view::watchdog;
@@ -59,7 +60,7 @@ fn relay(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, series: &Series<'_>)
         let position = if under_way { module.wanted(&item.id) } else { module.known(&item.id) };
         let shown = position.and_then(Value::as_bool);
         let response = switch(ui, item, shown, barred.is_none());
-        if response.on_hover_text(form::explanation(item)).clicked() {
+        if response.on_hover_text(explanation(module, item)).clicked() {
             let on = !shown.unwrap_or(false);
             pass.actions.push(Action::Set(module.target, item.id.clone(), on.to_string()));
         }

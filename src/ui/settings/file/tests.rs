@@ -34,8 +34,7 @@ fn what_was_chosen_is_there_at_the_next_start() {
     let folder = root.path().join("not").join("there yet");
     let Opened { settings, file, warnings } = open(Some(&folder));
     assert_eq!((&settings, warnings.len()), (&Settings::default(), 0));
-    let chosen =
-        Settings { layout: Some("tiles".to_owned()), recent_ports: vec!["COM3".to_owned()], ..dark(&settings) };
+    let chosen = Settings { layout: Some("tiles".to_owned()), recent_ports: vec!["COM3".into()], ..dark(&settings) };
     assert_eq!(file.unwrap().keep_now(&chosen), None);
     assert_eq!(names(&folder), [NAME]);
     let again = open(Some(&folder));
