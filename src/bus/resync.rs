@@ -75,7 +75,7 @@ impl Dialogue {
 
     fn verify_once(&mut self, target: &Target, window: Duration) -> Result<(), Failure> {
         let Link::Wire(wire) = &mut self.link else { return Ok(()) };
-        let Some(shape) = Shape::of_query(target, &name_query(target.address)) else { return Ok(()) };
+        let Some(shape) = Shape::of_module(target) else { return Ok(()) };
         match (wire.doubts(shape), target.protocol) {
             (Doubts::Spoiled, _) => Err(out_of_step(Vec::new())),
             (Doubts::Open(shapes), _) if shapes.is_empty() => Ok(()),
@@ -141,7 +141,7 @@ impl Dialogue {
 
     fn forget_doubts(&mut self, target: &Target) {
         if let Link::Wire(wire) = &mut self.link
-            && let Some(shape) = Shape::of_query(target, &name_query(target.address))
+            && let Some(shape) = Shape::of_module(target)
         {
             wire.forget_doubts(shape);
         }

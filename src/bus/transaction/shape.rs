@@ -44,6 +44,18 @@ impl Shape {
         }
     }
 
+    /// Some question to `target`, for comparing whom others ask; `None` if it is not on a serial line.
+    pub fn of_module(target: &Target) -> Option<Self> {
+        let Target { address, checksum, .. } = *target;
+        match target.protocol {
+            Protocol::ModbusRtu => Some(Self::Rtu { address, function: 0 }),
+            Protocol::Dcon => {
+                Some(Self::Dcon { address: Some(address), carries: Carries::Address, checksum, output: false })
+            }
+            Protocol::ModbusTcp => None,
+        }
+    }
+
     /// The shape that `query` to `target` will have on a serial line; `None` if nobody answers.
     pub fn of_query(target: &Target, query: &Query) -> Option<Self> {
         let function = match query {
@@ -178,4 +190,22 @@ pub fn want_equally_much(request: &[u8], other: &[u8]) -> bool {
         _ => None,
     };
     count(request) == count(other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_is_asked_is_found_by_the_module_in_either_protocol() {
+        let name = Query::Dcon { text: "$01M".to_owned(), from: AnswerFrom::Addresses(vec![1]), write: false };
+        let coils = Query::ReadCoils { first: 0, count: 1 };
+        let target = |protocol| Target { address: 1, protocol, settings: Default::default(), checksum: false };
+        for (protocol, query) in [(Protocol::Dcon, &name), (Protocol::ModbusRtu, &coils)] {
+            let module = Shape::of_module(&target(protocol)).unwrap();
+            let other = if protocol == Protocol::Dcon { Protocol::ModbusRtu } else { Protocol::Dcon };
+            assert!(module.asks_whom(Shape::of_query(&target(protocol), query).unwrap()), "{protocol:?}");
+            assert!(!module.asks_whom(Shape::of_module(&target(other)).unwrap()), "{protocol:?}");
+        }
+    }
 }
