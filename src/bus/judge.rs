@@ -133,6 +133,7 @@ fn dcon_failure(meant: &[u8], checksum: bool, from: &AnswerFrom) -> Failure {
     };
     let reason = match dcon::decode(meant.get(range).unwrap_or_default(), checksum) {
         Err(error) => error.to_string(),
+        Ok(dcon::Answer::Ignored) => "only commands for outputs are answered by a lone !".to_owned(),
         Ok(answer) => match from {
             AnswerFrom::Addresses(addresses) => {
                 let asked: Vec<_> = addresses.iter().map(|address| format!("{address:02X}h")).collect();

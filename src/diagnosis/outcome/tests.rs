@@ -82,9 +82,9 @@ fn rtu(answers: &[&[u8]]) -> (Outcome, Verdict) {
     told(target, &Query::ReadHoldingRegisters { first: 0x1E0, count: 1 }, answers)
 }
 
-fn dcon(checksum: bool, answers: &[&[u8]]) -> (Outcome, Verdict) {
+fn dcon(text: &str, checksum: bool, answers: &[&[u8]]) -> (Outcome, Verdict) {
     let target = Target { address: 1, protocol: Protocol::Dcon, settings: LineSettings::default(), checksum };
-    let query = Query::Dcon { text: "$01M".to_owned(), from: AnswerFrom::Addresses(vec![1]), write: false };
+    let query = Query::Dcon { text: text.to_owned(), from: AnswerFrom::Addresses(vec![1]), write: false };
     told(target, &query, answers)
 }
 
@@ -133,7 +133,7 @@ fn what_the_bus_says_of_dcon_answers_is_known() {
     for (checksum, answer, outcome) in [
         (false, &b"!01PIR234\r"[..], Outcome::Answer),
         (false, b"?01\r", Outcome::Refusal(RefusalKind::Dcon)),
-        (false, b"!\r", Outcome::Refusal(RefusalKind::Ignored)),
+        (false, b"!\r", failed(FailureKind::Garbage)),
         (false, b"", failed(FailureKind::NoAnswer)),
         (false, b"!01PIR", failed(FailureKind::CutShort)),
         (true, b"!1\r", failed(FailureKind::CutShort)),
@@ -144,10 +144,12 @@ fn what_the_bus_says_of_dcon_answers_is_known() {
         (false, b"\xFF\x00", failed(FailureKind::StrayBytes)),
         (false, b"lost", Outcome::LineLost),
     ] {
-        let (found, verdict) = dcon(checksum, &[answer]);
+        let (found, verdict) = dcon("$01M", checksum, &[answer]);
         assert_eq!(found, outcome, "{verdict:?} on {answer:02X?}");
     }
-    let (found, verdict) = dcon(false, &[b"$01M\r!01PIR234\r", b"$0qM\r"]);
+    let (found, verdict) = dcon("@01DO01", false, &[b"!\r"]);
+    assert_eq!(found, Outcome::Refusal(RefusalKind::Ignored), "{verdict:?}");
+    let (found, verdict) = dcon("$01M", false, &[b"$01M\r!01PIR234\r", b"$0qM\r"]);
     assert_eq!(found, failed(FailureKind::Collision), "{verdict:?}");
 }
 

@@ -16,29 +16,33 @@ pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
     widgets::menu(ui, "Menu", "Menu", |ui| {
         // In a small window, or with large text, not all of it has room.
         let room = ui.ctx().content_rect().size() - vec2(4.0 * theme::GAP, 4.0 * theme::GAP + theme::TAB_HEIGHT);
-        ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| columns(ui, pass));
+        let area = ScrollArea::both().max_width(room.x).max_height(room.y);
+        // A popup offers less height than there is.
+        area.min_scrolled_width(room.x).min_scrolled_height(room.y).show(ui, |ui| columns(ui, pass));
     });
 }
 
-/// Two columns, because one would be higher than a small window.
+/// Three columns, because fewer would be higher than a small window.
 fn columns(ui: &mut Ui, pass: &mut Pass<'_>) {
     ui.with_layout(Layout::left_to_right(egui::Align::Min), |ui| {
         column(ui, |ui| {
             group(ui, pass, "Line", commands::LINE);
             ui.add_space(theme::GAP);
+            group(ui, pass, "Recording", commands::RECORDING);
+            ui.add_space(theme::GAP);
+            group(ui, pass, "Program and help", commands::PROGRAM);
+        });
+        ui.add_space(theme::GAP);
+        column(ui, |ui| {
             group(ui, pass, "Module in view", commands::MODULE);
             ui.add_space(theme::GAP);
-            group(ui, pass, "Recording", commands::RECORDING);
+            patience(ui, pass);
         });
         ui.add_space(theme::GAP);
         column(ui, |ui| {
             group(ui, pass, "Tabs", commands::TABS);
             ui.add_space(theme::GAP);
             looks(ui, pass);
-            ui.add_space(theme::GAP);
-            patience(ui, pass);
-            ui.add_space(theme::GAP);
-            group(ui, pass, "Program and help", commands::PROGRAM);
         });
     });
 }
