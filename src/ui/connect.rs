@@ -122,20 +122,31 @@ pub fn plan_of(ready: Ready, settings: &Settings) -> ScanPlan {
 }
 
 pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    // With large text it takes two rows.
+    let one_row = ui.available_width() >= theme::CONNECT_WIDTH;
     ui.horizontal(|ui| {
         line_selector(ui, pass);
-        match pass.settings.line {
-            LineChoice::Tcp => host(ui, pass.settings),
-            _ => speed_and_format(ui, pass.settings),
-        }
-        scan_buttons(ui, pass, form);
-        if let Some(ScanState::Running { progress, found, .. }) = pass.bench.scan() {
-            running(ui, progress.as_ref(), *found, pass.actions);
-        } else {
-            at_rest(ui, pass);
+        if one_row {
+            settings_and_scan(ui, pass, form);
         }
         widgets::at_right(ui, |ui| settings::menu(ui, pass));
     });
+    if !one_row {
+        ui.horizontal_wrapped(|ui| settings_and_scan(ui, pass, form));
+    }
+}
+
+fn settings_and_scan(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    match pass.settings.line {
+        LineChoice::Tcp => host(ui, pass.settings),
+        _ => speed_and_format(ui, pass.settings),
+    }
+    scan_buttons(ui, pass, form);
+    if let Some(ScanState::Running { progress, found, .. }) = pass.bench.scan() {
+        running(ui, progress.as_ref(), *found, pass.actions);
+    } else {
+        at_rest(ui, pass);
+    }
 }
 
 /// What the port `name` is called now, if its adapter was plugged in elsewhere since it was chosen.

@@ -52,6 +52,8 @@ pub const WINDOW_LEAST: [f32; 2] = [960.0, 620.0];
 
 pub const CONTROL_HEIGHT: f32 = 6.0 * UNIT;
 pub const STATUS_HEIGHT: f32 = 7.0 * UNIT;
+/// In less the choice of the line, and what is done with it, take two rows.
+pub const CONNECT_WIDTH: f32 = 200.0 * UNIT;
 pub const LIST_WIDTH: f32 = 60.0 * UNIT;
 pub const LIST_WIDTH_RANGE: std::ops::RangeInclusive<f32> = 50.0 * UNIT..=100.0 * UNIT;
 pub const LINE_BOX_WIDTH: f32 = 56.0 * UNIT;
