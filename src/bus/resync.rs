@@ -11,7 +11,7 @@ use super::codec;
 use super::dialogue::{Dialogue, Link};
 use super::judge::Expected;
 use super::target::{Patience, Target};
-use super::transaction::{Doubts, Shape, Wire};
+use super::transaction::{Doubts, Shape, Wire, is_name};
 use crate::module::Ask;
 use crate::protocol::{AnswerFrom, Failure, Protocol, Query, dcon};
 
@@ -128,7 +128,7 @@ impl Dialogue {
         let expected = Expected::Dcon { checksum: target.checksum, from };
         let answer = alone.probe(wire, &request, &expected, window)?;
         if answer != known {
-            let reason = if is_name(&answer, target.checksum) {
+            let reason = if is_name(&answer) {
                 "another module answers here now: scan the line again"
             } else {
                 "the answer belongs to another question"
@@ -167,7 +167,7 @@ impl Dialogue {
     pub(super) fn note_name(&mut self, target: &Target, query: &Query, answer: &[u8]) {
         let asked_for_name = matches!(query, Query::Dcon { text, .. } if *text == name_text(target.address));
         // In INIT mode the answer may carry another address, and whoever is there is not for long.
-        if asked_for_name && is_name(answer, target.checksum) && target.address != INIT_ADDRESS {
+        if asked_for_name && is_name(answer) && target.address != INIT_ADDRESS {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
@@ -195,13 +195,6 @@ impl Name {
             self.claimed = Some(answer.to_vec());
         }
     }
-}
-
-/// Most answers are digits and signs; a name that looks like one of those proves nothing.
-fn is_name(answer: &[u8], checksum: bool) -> bool {
-    let other_than_digits = |c: char| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.');
-    dcon::decode(answer, checksum)
-        .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if text.chars().any(other_than_digits)))
 }
 
 /// Whether other bytes may come with the answer to a probe. In the right order they come before it, as a late answer

@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::shape::{Shape, asks_for_name};
+use super::shape::{Shape, asks_for_name, is_name};
 use crate::bus::judge::{self, Expected, Verdict};
 use crate::protocol::LineSettings;
 
@@ -31,11 +31,21 @@ struct Debt {
     paid: bool,
 }
 
+/// A debt, and the answer to it among some bytes.
+struct Payment {
+    index: usize,
+    answer: Vec<u8>,
+    /// Where it ends in these bytes.
+    ends: usize,
+}
+
 /// All answers that may still come, in the order of their questions.
 #[derive(Debug, Default)]
 pub struct Debts {
     all: Vec<Debt>,
     settings: LineSettings,
+    /// The answer that was seen last, and when: once more within [`SECOND_COPY`] it is a copy and pays nothing.
+    last: Option<(Vec<u8>, Instant)>,
 }
 
 impl Debts {
@@ -50,11 +60,16 @@ impl Debts {
         self.all.push(Debt { shape, request, expected, until, settings, paid: false });
     }
 
-    /// `request` has an answer. If the same was asked before without one, the answer is to the first
-    /// of these questions, and the last is still owed.
-    pub fn answered(&mut self, shape: Shape, request: &[u8], expected: &Expected, now: Instant) {
+    /// `request` has this answer. If it could be that to an earlier question, it is to the first of these, and the last is
+    /// still owed; a name is the answer only to a question for it.
+    pub fn answered(&mut self, shape: Shape, request: &[u8], expected: &Expected, answer: &[u8], now: Instant) {
         self.all.retain(|debt| debt.until > now);
-        let owed = |debt: &Debt| !debt.paid && debt.shape.asks_whom(shape) && debt.shape.could_answer(shape);
+        self.last = Some((answer.to_vec(), now));
+        let named = asks_for_name(request) && is_name(answer);
+        let owed = |debt: &Debt| {
+            let fits = debt.shape.could_answer(shape) && (!named || asks_for_name(&debt.request));
+            !debt.paid && debt.shape.asks_whom(shape) && fits
+        };
         let Some(first) = self.all.iter().position(owed) else { return self.paid_up_to(shape) };
         self.pay_up_to(first);
         self.note(shape, request, expected, now);
@@ -63,12 +78,16 @@ impl Debts {
     /// Bytes that nobody asked for at this moment may be what is owed; a second time it comes soon, if at all.
     pub fn seen(&mut self, bytes: &[u8], now: Instant) {
         let mut rest = bytes;
-        while let Some((index, after)) = self.first_paid_by(rest) {
-            if let Some(debt) = self.all.get_mut(index) {
+        while let Some(Payment { index, answer, ends }) = self.first_paid_by(rest) {
+            let recent =
+                |(last, at): &(Vec<u8>, Instant)| *last == answer && now.saturating_duration_since(*at) <= SECOND_COPY;
+            let copy = self.last.as_ref().is_some_and(recent);
+            if let Some(debt) = self.all.get_mut(index).filter(|_| !copy) {
                 debt.paid = true;
                 debt.until = debt.until.min(now.checked_add(SECOND_COPY).unwrap_or(now));
             }
-            rest = rest.get(after..).unwrap_or_default();
+            self.last = Some((answer, now));
+            rest = rest.get(ends..).unwrap_or_default();
         }
     }
 
@@ -128,8 +147,8 @@ impl Debts {
     }
 
     /// The oldest debt whose answer begins `bytes`, or stands in them after others' bytes, and where that answer ends.
-    fn first_paid_by(&self, bytes: &[u8]) -> Option<(usize, usize)> {
-        let mut found: Option<(usize, usize)> = None;
+    fn first_paid_by(&self, bytes: &[u8]) -> Option<Payment> {
+        let mut found: Option<Payment> = None;
         for (index, debt) in self.all.iter().enumerate().filter(|(_, debt)| !debt.paid) {
             let Verdict::Answer { bytes: answer, .. } = judge::so_far(&debt.request, &debt.expected, bytes, false)
             else {
@@ -138,8 +157,8 @@ impl Debts {
             let begins = bytes.windows(answer.len().max(1)).position(|window| window == answer);
             let ends = begins.unwrap_or_default().saturating_add(answer.len());
             // What stands first in the bytes was answered first.
-            if found.is_none_or(|(_, first)| ends < first) {
-                found = Some((index, ends));
+            if found.as_ref().is_none_or(|first| ends < first.ends) {
+                found = Some(Payment { index, answer, ends });
             }
         }
         found

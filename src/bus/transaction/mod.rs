@@ -21,7 +21,7 @@ use crate::protocol::{Failure, LineSettings};
 use debts::Debts;
 use shape::want_equally_much;
 
-pub use shape::Shape;
+pub use shape::{Shape, is_name};
 
 /// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
 pub const SETTLE: Duration = Duration::from_millis(20);
@@ -231,7 +231,7 @@ impl Wire {
             }
             match &outcome {
                 Ok(answer) => {
-                    self.debts.answered(shape, request, expected, now);
+                    self.debts.answered(shape, request, expected, answer, now);
                     self.note_answer(shape, request, answer, surplus, after_quiet);
                 }
                 Err(failure) if leaves_answer_open(failure, shape) => {

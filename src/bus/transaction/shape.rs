@@ -103,7 +103,7 @@ impl Shape {
         matches!(self, Self::Rtu { .. }) && answer.get(1).is_some_and(|function| function & 0x80 != 0)
     }
 
-    /// Whether something in `bytes` looks like the beginning of an answer to this.
+    /// Whether something in `bytes` looks like the beginning of an answer to this, and of nobody else's.
     pub fn begins_an_answer_in(self, bytes: &[u8]) -> bool {
         match self {
             Self::Rtu { address, function } => {
@@ -116,7 +116,8 @@ impl Shape {
                         && begin.get(1..) == Some(digits.as_bytes())
                 })
             }
-            Self::Dcon { .. } => bytes.iter().any(|byte| dcon::ANSWER_DELIMITERS.contains(byte)),
+            // Without an address it could be that of any module.
+            Self::Dcon { .. } => false,
         }
     }
 
@@ -173,6 +174,13 @@ pub fn asks_for_name(request: &[u8]) -> bool {
 /// `@AADO…` (PIR-234 manual 5.26, whose answer to an ignored command is a lone `!`).
 fn sets_output(request: &[u8]) -> bool {
     request.first() == Some(&b'@') && request.get(3..5) == Some(b"DO")
+}
+
+/// Most answers are digits and signs; a name that looks like one of those proves nothing. A checksum is digits too.
+pub fn is_name(answer: &[u8]) -> bool {
+    let other_than_digits = |c: char| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.');
+    dcon::decode(answer, false)
+        .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if text.chars().any(other_than_digits)))
 }
 
 /// The address that stands in a DCON command.

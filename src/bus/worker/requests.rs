@@ -210,9 +210,12 @@ impl Worker {
         if let Some(known) = self.options.get(&target) {
             return Some(known.clone());
         }
-        let asked = self
-            .dialogue()
-            .and_then(|dialogue| present_options(definition, target.protocol, &mut dialogue.with(target, patience)));
+        let asked = self.dialogue().and_then(|dialogue| {
+            let mut speaker = dialogue.with(target, patience);
+            let present = present_options(definition, target.protocol, &mut speaker)?;
+            // They are believed for as long as the line is open.
+            speaker.verify().map(|()| present)
+        });
         match asked {
             Ok(present) => {
                 self.options.insert(target, present.clone());

@@ -133,7 +133,7 @@ fn what_the_bus_says_of_dcon_answers_is_known() {
     for (checksum, answer, outcome) in [
         (false, &b"!01PIR234\r"[..], Outcome::Answer),
         (false, b"?01\r", Outcome::Refusal(RefusalKind::Dcon)),
-        (false, b"!\r", failed(FailureKind::Garbage)),
+        (false, b"!\r", failed(FailureKind::Other)),
         (false, b"", failed(FailureKind::NoAnswer)),
         (false, b"!01PIR", failed(FailureKind::CutShort)),
         (true, b"!1\r", failed(FailureKind::CutShort)),
