@@ -159,9 +159,9 @@ fn serve_serial(args: &SimulateArgs, sim: &Sim) -> Outcome<Option<PtyServer>> {
 }
 
 #[cfg(not(unix))]
-fn serve_serial(args: &SimulateArgs, _sim: &Sim) -> Outcome<()> {
+fn serve_serial(args: &SimulateArgs, _sim: &Sim) -> Outcome<Option<()>> {
     match args.tcp {
-        Some(_) => Ok(()),
+        Some(_) => Ok(None),
         None => Err(Stop::usage(
             "on this system only Modbus TCP can be simulated: give --tcp, such as --tcp 127.0.0.1:1502",
         )),

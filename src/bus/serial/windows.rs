@@ -94,6 +94,7 @@ mod system {
     use windows_registry::{Key, LOCAL_MACHINE};
 
     use super::code::{ACCESS_DENIED, FILE_NOT_FOUND};
+    use crate::bus::adapters::adapters_without_port;
     use crate::bus::ports::PortInfo;
     use crate::bus::problem::ProblemKind;
 
@@ -155,7 +156,7 @@ mod system {
             Err(error) => match error.raw_os_error()? {
                 ACCESS_DENIED | SHARING_VIOLATION => Some(ProblemKind::Busy { by: None }),
                 FILE_NOT_FOUND | PATH_NOT_FOUND | INVALID_NAME | BAD_PATHNAME => {
-                    Some(ProblemKind::NoSuchPort { present: present.to_vec(), hints: Vec::new() })
+                    Some(ProblemKind::NoSuchPort { present: present.to_vec(), portless: adapters_without_port() })
                 }
                 _ => None,
             },
