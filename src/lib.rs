@@ -28,6 +28,8 @@ pub mod module;
 pub mod picture;
 pub mod protocol;
 pub mod record;
+#[cfg(feature = "window")]
+pub mod renderer;
 pub mod sim;
 pub mod soak;
 #[cfg(feature = "window")]

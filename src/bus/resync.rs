@@ -10,17 +10,12 @@ use std::time::Duration;
 use super::codec;
 use super::dialogue::{Dialogue, Link};
 use super::judge::Expected;
+use super::probes::PROBES;
 use super::target::{Patience, Target};
 use super::transaction::{Doubts, Shape, Wire, is_name};
 use crate::module::Ask;
 use crate::protocol::{AnswerFrom, Failure, Protocol, Query, dcon};
 
-/// Functions that read something harmless of any module: coils, holding registers, input registers.
-const READS: [Query; 3] = [
-    Query::ReadCoils { first: 0, count: 1 },
-    Query::ReadHoldingRegisters { first: 0, count: 1 },
-    Query::ReadInputRegisters { first: 0, count: 1 },
-];
 const INIT_ADDRESS: u8 = 0;
 /// Names remembered; more modules are not on one line.
 const MOST_NAMES: usize = 1024;
@@ -106,7 +101,7 @@ impl Dialogue {
     ) -> Result<(), Failure> {
         let Link::Wire(wire) = &mut self.link else { return Ok(()) };
         let unlike = |query: &&Query| Shape::of_query(target, query).is_some_and(|shape| !shapes.contains(&shape));
-        let Some(query) = READS.iter().find(unlike) else { return Ok(()) };
+        let Some(query) = PROBES.iter().find(unlike) else { return Ok(()) };
         let expected = Expected::Rtu { address: target.address };
         let outcome =
             codec::transact(&self.runtime, target.address, query, |frame| alone.probe(wire, frame, &expected, window));

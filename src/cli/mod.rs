@@ -18,8 +18,6 @@ mod parse;
 mod ports;
 mod record;
 mod reference;
-#[cfg(feature = "window")]
-mod renderer;
 mod replay;
 mod scan;
 mod send;
@@ -37,10 +35,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-#[cfg(feature = "window")]
-pub use renderer::Renderer;
 use stop::Stop;
 
+#[cfg(feature = "window")]
+use crate::renderer::Renderer;
 use crate::sim::Fault;
 
 /// The whole command line. Without a subcommand the window opens.

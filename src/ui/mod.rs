@@ -56,8 +56,8 @@ pub use settings::{LineChoice, RecentLine, Settings, SettingsFile, TemperatureUn
 
 use crate::bench::{Action, Bench, Severity};
 use crate::bus::{Bus, LineAddress};
-use crate::cli::Renderer;
 use crate::module::Catalogue;
+use crate::renderer::Renderer;
 use crate::sim::{Fault, FaultError};
 
 const NAME: &str = "dcon-bench";

@@ -16,7 +16,7 @@ use std::time::Instant;
 use eframe::egui::{Context, ViewportId};
 
 use super::NAME;
-use crate::cli::Renderer;
+use crate::renderer::Renderer;
 
 /// Whether a window has been seen: what fails before was the renderer, or the start of the window with it.
 #[derive(Clone, Debug, Default)]
