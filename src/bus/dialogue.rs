@@ -9,11 +9,11 @@ use jiff::Timestamp;
 use tokio::runtime::Runtime;
 
 use super::codec;
-use super::judge::Expected;
+use super::judge::{Content, Expected};
 use super::line::LineLost;
 use super::message::{RawRequest, Statistics};
+use super::name::Name;
 use super::problem::{LineProblem, ProblemKind};
-use super::resync::Name;
 use super::serial::SerialLine;
 use super::tap::{Clock, Tap};
 use super::target::{LineAddress, Patience, Target};
@@ -248,7 +248,7 @@ fn raw_frame(request: &RawRequest) -> (Vec<u8>, Expected) {
 fn dcon_expected(checksum: bool, from: &AnswerFrom) -> Expected {
     match from {
         AnswerFrom::Nobody => Expected::Nothing { protocol: Protocol::Dcon, checksum },
-        from => Expected::Dcon { checksum, from: from.clone() },
+        from => Expected::Dcon { checksum, from: from.clone(), content: Content::Any },
     }
 }
 

@@ -1,5 +1,6 @@
 //! Decides what bytes that came back on a request are: the answer, an echo, noise, or not enough yet. Pure.
 
+use super::name::is_name;
 use crate::protocol::modbus::{self, AnswerLength};
 use crate::protocol::{AnswerFrom, Failure, Protocol, dcon};
 
@@ -9,6 +10,7 @@ pub enum Expected {
     Dcon {
         checksum: bool,
         from: AnswerFrom,
+        content: Content,
     },
     Rtu {
         address: u8,
@@ -20,7 +22,45 @@ pub enum Expected {
     },
 }
 
+/// What an answer has to say to be the one that is awaited. Whatever else the module says is passed over.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Content {
+    #[default]
+    Any,
+    /// A name. It should be this one; another shows that another module answers.
+    Name(Vec<u8>),
+    /// Anything but these answers, which are owed to other questions.
+    NoneOf(Vec<Vec<u8>>),
+}
+
+impl Content {
+    fn admits(&self, answer: &[u8]) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Name(_) => is_name(answer),
+            Self::NoneOf(others) => others.iter().all(|other| other != answer),
+        }
+    }
+}
+
 impl Expected {
+    /// Whether the answer can say this.
+    pub fn admits(&self, answer: &[u8]) -> bool {
+        self.content().is_none_or(|content| content.admits(answer))
+    }
+
+    /// Whether something that the module may say is passed over.
+    pub fn is_choosy(&self) -> bool {
+        self.content().is_some_and(|content| *content != Content::Any)
+    }
+
+    fn content(&self) -> Option<&Content> {
+        match self {
+            Self::Dcon { content, .. } => Some(content),
+            _ => None,
+        }
+    }
+
     /// The module that is asked, if there is only one.
     pub fn address(&self) -> Option<u8> {
         match self {
@@ -48,6 +88,8 @@ pub enum Verdict {
     Answer { bytes: Vec<u8>, echo: bool, noise: bool, surplus: bool },
     /// Only an echo or stray bytes so far: the answer has not begun.
     NothingYet,
+    /// What is there is an answer to another question, so the module has not come to this one yet.
+    PassedOver,
     /// It has begun; more has to come.
     More,
     /// It will not become an answer any more.
@@ -65,7 +107,7 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
         return Verdict::NothingYet;
     }
     let found = match expected {
-        Expected::Dcon { checksum, from } => find_dcon(request, rest, *checksum, from),
+        Expected::Dcon { checksum, from, content } => find_dcon(request, rest, *checksum, from, content),
         Expected::Rtu { .. } => find_rtu(request, rest),
         Expected::Nothing { .. } => None,
     };
@@ -81,6 +123,7 @@ pub fn so_far(request: &[u8], expected: &Expected, received: &[u8], echoes: bool
             Verdict::Answer { bytes, echo, noise, surplus }
         }
         None if rest.iter().all(|byte| is_noise(*byte)) => Verdict::NothingYet,
+        None if expected.is_choosy() && trim_line_feed(rest).ends_with(&[dcon::CR]) => Verdict::PassedOver,
         None => Verdict::More,
     }
 }
@@ -102,7 +145,7 @@ pub fn after_silence(request: &[u8], expected: &Expected, received: &[u8], echoe
     }
     match expected {
         Expected::Rtu { .. } => after_silence_rtu(request, meant, echo),
-        Expected::Dcon { checksum, from } => Verdict::Failed(dcon_failure(meant, *checksum, from)),
+        Expected::Dcon { checksum, from, content } => Verdict::Failed(dcon_failure(meant, *checksum, from, content)),
         Expected::Nothing { .. } => Verdict::Failed(Failure::Silent),
     }
 }
@@ -124,15 +167,19 @@ fn after_silence_rtu(request: &[u8], meant: &[u8], echo: bool) -> Verdict {
     }
 }
 
-fn dcon_failure(meant: &[u8], checksum: bool, from: &AnswerFrom) -> Failure {
+fn dcon_failure(meant: &[u8], checksum: bool, from: &AnswerFrom, content: &Content) -> Failure {
     let bytes = meant.to_vec();
     let Some(range) = dcon::find_answer(meant) else {
         let begun = meant.first().is_some_and(|byte| dcon::ANSWER_DELIMITERS.contains(byte));
         let reason = "no DCON answer is in it".to_owned();
         return if begun { Failure::Cut { bytes } } else { Failure::Garbled { reason, bytes } };
     };
-    let reason = match dcon::decode(meant.get(range).unwrap_or_default(), checksum) {
+    let frame = meant.get(range).unwrap_or_default();
+    let reason = match dcon::decode(frame, checksum) {
         Err(error) => error.to_string(),
+        Ok(answer) if is_from(&answer, from) && !content.admits(frame) => {
+            "the answer belongs to another question".to_owned()
+        }
         Ok(dcon::Answer::Ignored) => "only commands for outputs are answered by a lone !".to_owned(),
         Ok(answer) => match from {
             AnswerFrom::Addresses(addresses) => {
@@ -172,7 +219,7 @@ fn find_rtu(request: &[u8], rest: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// A stray byte may look like a delimiter, so every delimiter is tried.
-fn find_dcon(request: &[u8], rest: &[u8], checksum: bool, from: &AnswerFrom) -> Option<Vec<u8>> {
+fn find_dcon(request: &[u8], rest: &[u8], checksum: bool, from: &AnswerFrom, content: &Content) -> Option<Vec<u8>> {
     let begins = |start: &usize| rest.get(*start).is_some_and(|byte| dcon::ANSWER_DELIMITERS.contains(byte));
     (0..rest.len()).filter(begins).find_map(|start| {
         let candidate = rest.get(start..)?;
@@ -180,7 +227,7 @@ fn find_dcon(request: &[u8], rest: &[u8], checksum: bool, from: &AnswerFrom) -> 
         let frame = candidate.get(range)?;
         let right =
             dcon::decode(frame, checksum).is_ok_and(|answer| is_from(&answer, from) && fits(request, &answer, from));
-        right.then(|| frame.to_vec())
+        (right && content.admits(frame)).then(|| frame.to_vec())
     })
 }
 
@@ -231,7 +278,7 @@ mod tests {
     }
 
     fn dcon(checksum: bool) -> Expected {
-        Expected::Dcon { checksum, from: AnswerFrom::Addresses(vec![1]) }
+        Expected::Dcon { checksum, from: AnswerFrom::Addresses(vec![1]), content: Content::Any }
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod judge;
 mod latency;
 pub mod line;
 mod message;
+mod name;
 mod ports;
 mod probes;
 mod problem;

@@ -10,11 +10,12 @@ use std::time::Duration;
 use super::codec;
 use super::dialogue::{Dialogue, Link};
 use super::judge::Expected;
+use super::name::{self, Name, is_name};
 use super::probes::PROBES;
 use super::target::{Patience, Target};
-use super::transaction::{Doubts, Shape, Wire, is_name};
+use super::transaction::{Doubts, Shape, Wire};
 use crate::module::Ask;
-use crate::protocol::{AnswerFrom, Failure, Protocol, Query, dcon};
+use crate::protocol::{Failure, Protocol, Query, dcon};
 
 const INIT_ADDRESS: u8 = 0;
 /// Names remembered; more modules are not on one line.
@@ -116,21 +117,15 @@ impl Dialogue {
 
     /// Asks a DCON module for its name. Without one that is known there is nothing to compare, and nothing is asked.
     fn ask_for_known_name(&mut self, target: &Target, window: Duration, alone: Alone) -> Result<(), Failure> {
-        let Some(known) = self.names.get(target).map(|name| name.known.clone()) else { return Ok(()) };
+        let Some(name) = self.names.get(target).cloned() else { return Ok(()) };
         let Link::Wire(wire) = &mut self.link else { return Ok(()) };
-        let request = dcon::encode(&name_text(target.address), target.checksum);
-        let from = AnswerFrom::Addresses(vec![target.address]);
-        let expected = Expected::Dcon { checksum: target.checksum, from };
-        let answer = alone.probe(wire, &request, &expected, window)?;
-        if answer != known {
-            let reason = if is_name(&answer) {
-                "another module answers here now: scan the line again"
-            } else {
-                "the answer belongs to another question"
-            };
-            return Err(Failure::Garbled { reason: reason.to_owned(), bytes: answer });
+        let request = dcon::encode(&name::question(target.address), target.checksum);
+        let answer = alone.probe(wire, &request, &name.expected(target), window)?;
+        if answer != name.known() {
+            let reason = "another module answers here now: scan the line again".to_owned();
+            return Err(Failure::Garbled { reason, bytes: answer });
         }
-        self.clear_up(target, &name_query(target.address));
+        self.clear_up(target, &name::query(target.address));
         Ok(())
     }
 
@@ -154,40 +149,19 @@ impl Dialogue {
     pub(super) fn learn_name_anew(&mut self, from: &Target, to: &Target, patience: Patience) {
         if self.names.remove(from).is_some() {
             // Without an answer it is not known, and nothing is compared.
-            let _ = self.with(*to, patience).ask(&name_query(to.address));
+            let _ = self.with(*to, patience).ask(&name::query(to.address));
         }
     }
 
     /// Remembers what a DCON module calls itself.
     pub(super) fn note_name(&mut self, target: &Target, query: &Query, answer: &[u8]) {
-        let asked_for_name = matches!(query, Query::Dcon { text, .. } if *text == name_text(target.address));
+        let asked_for_name = matches!(query, Query::Dcon { text, .. } if *text == name::question(target.address));
         // In INIT mode the answer may carry another address, and whoever is there is not for long.
         if asked_for_name && is_name(answer) && target.address != INIT_ADDRESS {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
-            let name = self.names.entry(*target).or_insert_with(|| Name { known: answer.to_vec(), claimed: None });
-            name.hear(answer);
-        }
-    }
-}
-
-/// What a DCON module answered when it was asked for its name.
-#[derive(Debug, Clone)]
-pub struct Name {
-    known: Vec<u8>,
-    /// Another name, told once: without checksum it may be a damaged one, so only the second time it is believed.
-    claimed: Option<Vec<u8>>,
-}
-
-impl Name {
-    fn hear(&mut self, answer: &[u8]) {
-        if answer == self.known {
-            self.claimed = None;
-        } else if self.claimed.as_deref() == Some(answer) {
-            *self = Self { known: answer.to_vec(), claimed: None };
-        } else {
-            self.claimed = Some(answer.to_vec());
+            self.names.entry(*target).or_insert_with(|| Name::new(answer)).hear(answer);
         }
     }
 }
@@ -213,13 +187,4 @@ impl Alone {
 fn out_of_step(bytes: Vec<u8>) -> Failure {
     let reason = "an answer too many came, so it is not certain which question each belongs to".to_owned();
     Failure::Garbled { reason, bytes }
-}
-
-/// `$AAM` (PIR-234 manual 5.20, PIR-130 manual 2.6).
-fn name_text(address: u8) -> String {
-    format!("${address:02X}M")
-}
-
-fn name_query(address: u8) -> Query {
-    Query::Dcon { text: name_text(address), from: AnswerFrom::Addresses(vec![address]), write: false }
 }

@@ -1,13 +1,15 @@
 //! Answers that may still come, so that none of them is taken for that of a later question.
 //!
 //! A module answers in the order in which it was asked. So a debt is paid when a later question that cannot be mistaken
-//! is answered, a moment after the missing answer is seen after all, or when [`LATEST`] has passed.
+//! is answered, a moment after the missing answer is seen after all, or when [`LATEST`] has passed. A known name that is
+//! owed need not be waited for, as it is recognised wherever it comes.
 
 use std::time::{Duration, Instant};
 
-use super::shape::{Shape, asks_for_name, is_name};
-use crate::bus::judge::{self, Expected, Verdict};
-use crate::protocol::LineSettings;
+use super::shape::Shape;
+use crate::bus::judge::{self, Content, Expected, Verdict};
+use crate::bus::name::{asks_for_name, is_name};
+use crate::protocol::{LineSettings, dcon};
 
 /// An answer does not come later than this after it was given up, be it through a busy adapter, a hub, a virtual
 /// machine or a converter on a network.
@@ -29,6 +31,16 @@ struct Debt {
     settings: LineSettings,
     /// It has come, when it was too late; only a second copy may follow.
     paid: bool,
+}
+
+impl Debt {
+    /// The answer, if it is known beforehand.
+    fn known_answer(&self) -> Option<&Vec<u8>> {
+        match &self.expected {
+            Expected::Dcon { content: Content::Name(name), .. } => Some(name),
+            _ => None,
+        }
+    }
 }
 
 /// A debt, and the answer to it among some bytes.
@@ -67,7 +79,8 @@ impl Debts {
         self.last = Some((answer.to_vec(), now));
         let named = asks_for_name(request) && is_name(answer);
         let owed = |debt: &Debt| {
-            let fits = debt.shape.could_answer(shape) && (!named || asks_for_name(&debt.request));
+            let fits = debt.shape.could_answer(shape) && debt.expected.admits(answer);
+            let fits = fits && (!named || asks_for_name(&debt.request));
             !debt.paid && debt.shape.asks_whom(shape) && fits
         };
         let Some(first) = self.all.iter().position(owed) else { return self.paid_up_to(shape) };
@@ -75,9 +88,11 @@ impl Debts {
         self.note(shape, request, expected, now);
     }
 
-    /// Bytes that nobody asked for at this moment may be what is owed; a second time it comes soon, if at all.
-    pub fn seen(&mut self, bytes: &[u8], now: Instant) {
-        let mut rest = bytes;
+    /// Bytes that nobody asked for at this moment may be what is owed; a second time it comes soon, if at all. True if they
+    /// are nothing else.
+    pub fn seen(&mut self, bytes: &[u8], now: Instant) -> bool {
+        let means_nothing = |bytes: &[u8]| bytes.iter().all(|byte| judge::is_noise(*byte) || *byte == dcon::CR);
+        let (mut rest, mut all_owed) = (bytes, true);
         while let Some(Payment { index, answer, ends }) = self.first_paid_by(rest) {
             let recent =
                 |(last, at): &(Vec<u8>, Instant)| *last == answer && now.saturating_duration_since(*at) <= SECOND_COPY;
@@ -86,9 +101,12 @@ impl Debts {
                 debt.paid = true;
                 debt.until = debt.until.min(now.checked_add(SECOND_COPY).unwrap_or(now));
             }
+            let before = rest.get(..ends.saturating_sub(answer.len())).unwrap_or_default();
+            all_owed &= !copy && means_nothing(before);
             self.last = Some((answer, now));
             rest = rest.get(ends..).unwrap_or_default();
         }
+        all_owed && means_nothing(rest)
     }
 
     /// Speed and format from now on.
@@ -118,9 +136,17 @@ impl Debts {
         self.open(shape, now).any(|debt| debt.shape.shows_another_than(shape) && debt.shape.stands_in_front_of(answer))
     }
 
+    /// Known answers that may still come and could be taken for that to `shape`.
+    pub fn known_answers(&self, shape: Shape, now: Instant) -> Vec<Vec<u8>> {
+        let mut known: Vec<Vec<u8>> = self.open(shape, now).filter_map(Debt::known_answer).cloned().collect();
+        known.dedup();
+        known
+    }
+
     /// What is owed that has to be waited for, lest it be taken for the answer to `shape`.
     fn against(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
-        self.open(shape, now).filter(move |debt| !debt.shape.shows_another_than(shape))
+        let shows_itself = move |debt: &Debt| debt.shape.shows_another_than(shape) || debt.known_answer().is_some();
+        self.open(shape, now).filter(move |debt| !shows_itself(debt))
     }
 
     /// What is owed and would be accepted as the answer to `shape`.

@@ -86,22 +86,48 @@ impl Line for Unpunctual {
     }
 }
 
-/// Questions of one shape, each with the only right answer to it.
-struct Language {
+/// A question, what is expected on it, and the only right answer to it.
+struct Question {
+    request: Vec<u8>,
     expected: Expected,
-    questions: Vec<(Vec<u8>, Vec<u8>)>,
+    answer: Vec<u8>,
+}
+
+/// Questions whose answers can be taken for each other.
+type Language = [Question; 3];
+
+fn dcon(from: AnswerFrom, content: Content) -> Expected {
+    Expected::Dcon { checksum: false, from, content }
+}
+
+fn addressed(number: u8) -> Question {
+    let (request, answer) = (format!("$01{number}\r").into_bytes(), format!("!010{number}\r").into_bytes());
+    Question { request, expected: dcon(AnswerFrom::Addresses(vec![1]), Content::Any), answer }
 }
 
 fn languages() -> Vec<Language> {
-    let rtu = |number: u8| (modbus::with_crc(&[1, 3, 0, number, 0, 1]), modbus::with_crc(&[1, 3, 2, 0xA0, number]));
-    let addressed = |number: u8| (format!("$01{number}\r").into_bytes(), format!("!010{number}\r").into_bytes());
-    let bare = |number: u8| (format!("#01{number}\r").into_bytes(), format!(">+02{number}.99\r").into_bytes());
-    let dcon = |from| Expected::Dcon { checksum: false, from };
-    let three = |question: &dyn Fn(u8) -> (Vec<u8>, Vec<u8>)| (0..3).map(question).collect();
+    let rtu = |number: u8| Question {
+        request: modbus::with_crc(&[1, 3, 0, number, 0, 1]),
+        expected: Expected::Rtu { address: 1 },
+        answer: modbus::with_crc(&[1, 3, 2, 0xA0, number]),
+    };
+    let bare = |number: u8| Question {
+        request: format!("#01{number}\r").into_bytes(),
+        expected: dcon(AnswerFrom::Anyone, Content::Any),
+        answer: format!(">+02{number}.99\r").into_bytes(),
+    };
+    let name = || Question {
+        request: b"$01M\r".to_vec(),
+        expected: dcon(AnswerFrom::Addresses(vec![1]), Content::Name(b"!01PIR234".to_vec())),
+        answer: b"!01PIR234\r".to_vec(),
+    };
     vec![
-        Language { expected: Expected::Rtu { address: 1 }, questions: three(&rtu) },
-        Language { expected: dcon(AnswerFrom::Addresses(vec![1])), questions: three(&addressed) },
-        Language { expected: dcon(AnswerFrom::Anyone), questions: three(&bare) },
+        [0, 1, 2].map(rtu),
+        [0, 1, 2].map(addressed),
+        [0, 1, 2].map(bare),
+        [name(), addressed(1), addressed(2)],
+        [addressed(0), name(), addressed(2)],
+        [name(), name(), addressed(2)],
     ]
 }
 
@@ -112,23 +138,23 @@ fn converse(language: &Language, manners: &[Manner]) -> Result<Vec<bool>, String
     let line = Unpunctual {
         now,
         manners: manners.iter().copied().collect(),
-        answers: language.questions.iter().map(|(_, answer)| answer.clone()).collect(),
+        answers: language.iter().map(|question| question.answer.clone()).collect(),
         incoming: VecDeque::new(),
         busy_until: now,
         character: settings.wire_time(1),
     };
     let mut wire = Wire::new(Box::new(line), settings, Box::new(|_| {})).unwrap();
     let mut answered = Vec::new();
-    for (question, answer) in language.questions.iter().take(manners.len()) {
+    for Question { request, expected, answer } in language.iter().take(manners.len()) {
         let began = wire.now();
-        let outcome = wire.exchange(question, &language.expected, WINDOW);
+        let outcome = wire.exchange(request, expected, WINDOW);
         let took = wire.now() - began;
         if took > LATEST + WINDOW + Duration::from_secs(2) {
-            return Err(format!("{question:?} took {took:?}"));
+            return Err(format!("{request:?} took {took:?}"));
         }
         match outcome {
             Ok(bytes) if answer.strip_suffix(b"\r").unwrap_or(answer) == bytes => answered.push(true),
-            Ok(bytes) => return Err(format!("{bytes:?} was accepted for {question:?}")),
+            Ok(bytes) => return Err(format!("{bytes:?} was accepted for {request:?}")),
             Err(_) => answered.push(false),
         }
     }

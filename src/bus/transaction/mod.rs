@@ -14,14 +14,15 @@ use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
 
-use super::judge::{self, Expected, Verdict};
+use super::judge::{self, Content, Expected, Verdict};
 use super::line::{Line, LineLost};
+use super::name::asks_for_name;
 use super::tap::{self, Clock, Exchange, Frame, Tap};
-use crate::protocol::{Failure, LineSettings};
+use crate::protocol::{Failure, LineSettings, dcon};
 use debts::Debts;
 use shape::want_equally_much;
 
-pub use shape::{Shape, is_name};
+pub use shape::Shape;
 
 /// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
 pub const SETTLE: Duration = Duration::from_millis(20);
@@ -206,11 +207,24 @@ impl Wire {
         while let Some(until) = shape.and_then(|shape| self.debts.until(shape, request, self.line.now())) {
             self.wait_for_late(until, expected).map_err(Failure::kept_back)?;
         }
-        self.speak_and_note(request, expected, window).map(|(answer, _)| answer)
+        let expected = self.passing_over_known_answers(shape, request, expected);
+        self.speak_and_note(request, &expected, window).map(|(answer, _)| answer)
     }
 
-    /// As [`Self::exchange`], but for a question whose answer the caller can tell from all others: it is sent at once. True
-    /// if other bytes came with it that may be an answer too.
+    /// An answer that is known beforehand, and still owed to another question, is not the one to `request`.
+    fn passing_over_known_answers(&self, shape: Option<Shape>, request: &[u8], expected: &Expected) -> Expected {
+        let mut expected = expected.clone();
+        if let (Expected::Dcon { content: content @ Content::Any, .. }, Some(shape)) = (&mut expected, shape)
+            && !asks_for_name(request)
+        {
+            let known = self.debts.known_answers(shape, self.line.now());
+            *content = if known.is_empty() { Content::Any } else { Content::NoneOf(known) };
+        }
+        expected
+    }
+
+    /// As [`Self::exchange`], but for a question whose answer can be told from all others: it is sent at once. True if
+    /// other bytes came with it that may be an answer too.
     pub fn probe(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<(Vec<u8>, bool), Failure> {
         self.speak_and_note(request, expected, window)
     }
@@ -221,7 +235,7 @@ impl Wire {
         expected: &Expected,
         window: Duration,
     ) -> Result<(Vec<u8>, bool), Failure> {
-        let Spoken { outcome, surplus, after_quiet, .. } = self.speak(request, expected, window);
+        let Spoken { outcome, others, surplus, after_quiet, .. } = self.speak(request, expected, window);
         let now = self.line.now();
         if let Some(shape) = Shape::of_request(request, expected) {
             if let Ok(answer) = &outcome
@@ -234,7 +248,7 @@ impl Wire {
                     self.debts.answered(shape, request, expected, answer, now);
                     self.note_answer(shape, request, answer, surplus, after_quiet);
                 }
-                Err(failure) if leaves_answer_open(failure, shape) => {
+                Err(failure) if leaves_answer_open(failure, shape, expected) => {
                     self.debts.note(shape, request, expected, now);
                 }
                 Err(_) => {}
@@ -243,7 +257,7 @@ impl Wire {
                 self.debts.seen(bytes, now);
             }
         }
-        Ok((outcome?, surplus))
+        Ok((outcome?, others))
     }
 
     /// The answer is another module's, late; that to `request` may still come.
@@ -292,6 +306,7 @@ impl Wire {
             sent: self.line.now(),
             first_byte: None,
             noise: false,
+            others: false,
             surplus: false,
             after_quiet: false,
         };
@@ -359,7 +374,7 @@ impl Wire {
         spoken: &mut Spoken,
         received: &mut Vec<u8>,
     ) -> Result<Vec<u8>, Failure> {
-        let first_deadline = spoken.sent + window;
+        let mut first_deadline = spoken.sent + window;
         let give_up = first_deadline + self.settings.wire_time(LONGEST_ANSWER) + MOST_SETTLING;
         let mut deadline = first_deadline;
         let mut buffer = [0; 256];
@@ -376,7 +391,9 @@ impl Wire {
             match verdict {
                 Verdict::Answer { bytes, echo, noise, surplus } => {
                     self.learn_echo(request, expected, echo);
-                    (spoken.noise, spoken.surplus) = (noise, surplus);
+                    let heard = received.get(if echo { request.len() } else { 0 }..).unwrap_or_default();
+                    (spoken.noise, spoken.others) = (noise, surplus);
+                    spoken.surplus = surplus && !self.were_owed(expected, heard, &bytes);
                     self.answer_time = Some(*spoken.first_byte.get_or_insert(since_sent));
                     return Ok(bytes);
                 }
@@ -385,6 +402,11 @@ impl Wire {
                     return Err(failure);
                 }
                 Verdict::NothingYet => deadline = first_deadline,
+                Verdict::PassedOver => {
+                    spoken.first_byte = None;
+                    first_deadline = self.last_activity + window;
+                    deadline = first_deadline;
+                }
                 Verdict::More => {
                     spoken.first_byte.get_or_insert(since_sent);
                     // Bytes of others may come first, so the window stays open.
@@ -397,6 +419,14 @@ impl Wire {
                 return Err(Failure::Garbled { reason, bytes: received.iter().copied().take(64).collect() });
             }
         }
+    }
+
+    /// Whether what was passed over before `answer` is owed to earlier questions, and nothing else came with it.
+    fn were_owed(&mut self, expected: &Expected, heard: &[u8], answer: &[u8]) -> bool {
+        let ends_with = [answer, &[dcon::CR]].concat();
+        let heard = heard.strip_suffix(b"\n").unwrap_or(heard);
+        let before = heard.strip_suffix(ends_with.as_slice());
+        expected.is_choosy() && before.is_some_and(|before| self.debts.seen(before, self.line.now()))
     }
 
     /// An adapter echoes all or nothing; an answer that may look like its request tells neither.
@@ -424,15 +454,20 @@ struct Spoken {
     /// From then to the first byte that may belong to an answer.
     first_byte: Option<Duration>,
     noise: bool,
+    /// Other bytes came with the answer that may be one too.
+    others: bool,
+    /// They are not what is owed to earlier questions.
     surplus: bool,
     /// The line had been quiet for so long that no second answer to an earlier question was still to come.
     after_quiet: bool,
 }
 
 /// Whether the answer may still come: what has come does not look like the one that was asked for.
-fn leaves_answer_open(failure: &Failure, shape: Shape) -> bool {
+fn leaves_answer_open(failure: &Failure, shape: Shape, expected: &Expected) -> bool {
     match failure {
         Failure::Silent => true,
+        // What has come may be what was passed over.
+        Failure::Cut { .. } | Failure::Garbled { .. } | Failure::Collision { .. } if expected.is_choosy() => true,
         Failure::Cut { bytes } | Failure::Garbled { bytes, .. } | Failure::Collision { bytes } => {
             let come = bytes.iter().filter(|byte| !judge::is_noise(**byte)).count() >= LEAST_ANSWER;
             !come || !shape.begins_an_answer_in(bytes)

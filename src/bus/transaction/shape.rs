@@ -40,7 +40,7 @@ impl Shape {
             Expected::Rtu { address } => {
                 Some(Self::Rtu { address: *address, function: request.get(1).copied().unwrap_or_default() })
             }
-            Expected::Dcon { from, checksum } => Some(Self::dcon(request, from, *checksum)),
+            Expected::Dcon { from, checksum, .. } => Some(Self::dcon(request, from, *checksum)),
         }
     }
 
@@ -166,21 +166,9 @@ impl Shape {
     }
 }
 
-/// Whether this DCON command asks for the module's name, which never changes: an answer that comes late is as good.
-pub fn asks_for_name(request: &[u8]) -> bool {
-    request.first() == Some(&b'$') && request.get(3) == Some(&b'M')
-}
-
 /// `@AADO…` (PIR-234 manual 5.26, whose answer to an ignored command is a lone `!`).
 fn sets_output(request: &[u8]) -> bool {
     request.first() == Some(&b'@') && request.get(3..5) == Some(b"DO")
-}
-
-/// Most answers are digits and signs; a name that looks like one of those proves nothing. A checksum is digits too.
-pub fn is_name(answer: &[u8]) -> bool {
-    let other_than_digits = |c: char| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.');
-    dcon::decode(answer, false)
-        .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if text.chars().any(other_than_digits)))
 }
 
 /// The address that stands in a DCON command.

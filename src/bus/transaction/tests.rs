@@ -182,7 +182,7 @@ fn a_broadcast_waits_for_no_answer() {
 
 #[test]
 fn an_answer_of_a_neighbour_is_passed_over_while_the_right_one_is_awaited() {
-    let expected = Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![1]) };
+    let expected = Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![1]), content: Content::Any };
     let (mut wire, _) = wire(&[&[(10, b"!02PIR130\r"), (40, b"!01PIR234\r")]]);
     let answer = wire.exchange(b"$01M\r", &expected, WINDOW).unwrap();
     assert_eq!(hex::escaped(&answer), "!01PIR234");
@@ -205,8 +205,8 @@ fn an_answer_that_could_be_a_second_copy_is_not_believed_when_its_own_may_have_c
 
 #[test]
 fn an_answer_that_carries_another_modules_address_is_not_waited_for_and_not_taken() {
-    let addressed = Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![7]) };
-    let bare = Expected::Dcon { checksum: false, from: AnswerFrom::Anyone };
+    let addressed = Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![7]), content: Content::Any };
+    let bare = Expected::Dcon { checksum: false, from: AnswerFrom::Anyone, content: Content::Any };
     let late: &[(u64, &[u8])] = &[(20, b"!070000\r"), (40, b">A200100\r")];
     let (mut wire, sent) = wire(&[&[], late, &[(20, b">A200100\r")]]);
     assert_eq!(wire.exchange(b"@07RAO\r", &addressed, WINDOW), Err(Failure::Silent));
@@ -216,4 +216,41 @@ fn an_answer_that_carries_another_modules_address_is_not_waited_for_and_not_take
     let sent = sent.lock().unwrap();
     assert_eq!(sent[1] - sent[0], WINDOW + LineSettings::default().wire_time(7), "nothing is waited for");
     assert!(sent[2] - sent[1] >= Duration::from_millis(40), "the right answer was under way");
+}
+
+const NAME: &[u8] = b"!01PIR234";
+
+fn addressed(content: Content) -> Expected {
+    Expected::Dcon { checksum: false, from: AnswerFrom::Addresses(vec![1]), content }
+}
+
+#[test]
+fn the_name_is_listened_for_behind_late_answers_and_ends_the_wait_for_them() {
+    let (any, name) = (addressed(Content::Any), addressed(Content::Name(NAME.to_vec())));
+    let late: &[(u64, &[u8])] = &[(50, b"!01400600\r"), (90, b"!01PIR234\r")];
+    let (mut wire, sent) = wire(&[&[], late, &[(20, b"!0105\r")]]);
+    assert_eq!(wire.exchange(b"$012\r", &any, WINDOW), Err(Failure::Silent));
+    assert_eq!(wire.probe(b"$01M\r", &name, WINDOW), Ok((NAME.to_vec(), true)));
+    assert_eq!(wire.exchange(b"~01RD\r", &any, WINDOW), Ok(b"!0105".to_vec()));
+    let sent = sent.lock().unwrap();
+    assert!(sent[2] - sent[1] < Duration::from_millis(150), "nothing more is waited for");
+}
+
+#[test]
+fn a_known_name_that_is_owed_is_neither_waited_for_nor_taken_for_another_answer() {
+    let (any, name) = (addressed(Content::Any), addressed(Content::Name(NAME.to_vec())));
+    let late: &[(u64, &[u8])] = &[(40, b"!01PIR234\r"), (80, b"!01400600\r")];
+    let (mut wire, sent) = wire(&[&[], late, &[(20, b"!0105\r")]]);
+    assert_eq!(wire.probe(b"$01M\r", &name, WINDOW), Err(Failure::Silent));
+    assert_eq!(wire.exchange(b"$012\r", &any, WINDOW), Ok(b"!01400600".to_vec()));
+    assert_eq!(wire.exchange(b"~01RD\r", &any, WINDOW), Ok(b"!0105".to_vec()));
+    let sent = sent.lock().unwrap();
+    assert_eq!(sent[1] - sent[0], WINDOW + LineSettings::default().wire_time(5));
+}
+
+#[test]
+fn another_name_is_an_answer_too_so_that_another_module_is_noticed() {
+    let name = addressed(Content::Name(NAME.to_vec()));
+    let (mut wire, _) = wire(&[&[(20, b"!01PIR130\r")]]);
+    assert_eq!(wire.probe(b"$01M\r", &name, WINDOW), Ok((b"!01PIR130".to_vec(), false)));
 }
