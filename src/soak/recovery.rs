@@ -14,8 +14,8 @@ pub struct Recovery {
     missing: BTreeSet<Target>,
     /// Until the first module was heard.
     pub line: Option<Duration>,
-    /// Until the last was.
-    pub all: Option<Duration>,
+    /// Until the last was, and which one that is.
+    pub all: Option<(Duration, Target)>,
 }
 
 impl Recovery {
@@ -38,10 +38,8 @@ impl Recovery {
             }
             if missing.contains(&module.target) && is_current(module, watch, *since, now) {
                 missing.remove(&module.target);
+                *all = missing.is_empty().then_some((elapsed, module.target));
             }
-        }
-        if missing.is_empty() && all.is_none() {
-            *all = Some(elapsed);
         }
     }
 }

@@ -46,13 +46,15 @@ pub struct Memory {
     pub end: Option<u64>,
 }
 
-/// The longest recoveries.
+/// The longest recoveries, and after which faults they were.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Recoveries {
     pub line: Duration,
+    pub line_after: String,
     pub module: Duration,
-    /// After which faults the longest was.
-    pub after: String,
+    pub module_after: String,
+    /// How long it takes until every module was heard anew when nothing is wrong.
+    pub undisturbed: Duration,
     /// Modules that did not come back before the next phase.
     pub missed: u64,
 }
@@ -223,11 +225,14 @@ impl Report {
         let Memory { start, highest, end } = self.memory;
         let Pictures { count, longest, longest_stall, longest_own_stall, .. } = self.pictures;
         let Done { scans, longest_cancel, writes, taken, refused, unknown, doubled, longest_write, .. } = &self.done;
-        let Recoveries { line, module, after, .. } = &self.recoveries;
+        let Recoveries { line, line_after, module, module_after, undisturbed, .. } = &self.recoveries;
         let stall = format!("{}, {} without other programs", time(longest_stall), time(longest_own_stall));
         let written = format!("{writes}: {taken} taken, {refused} not, {unknown} said to be unknown");
         let writes_value = json!({ "all": writes, "taken": taken, "refused": refused, "unknown": unknown });
-        let recovery = if after.is_empty() { time(*module) } else { format!("{} (after {after})", time(*module)) };
+        let recovery = |took: &Duration, after: &String| match after.as_str() {
+            "" => time(*took),
+            after => format!("{} (after {after})", time(*took)),
+        };
         let [picture, stalls] = if self.has_window {
             ["Longest picture of the window", "Longest stall of the window"]
         } else {
@@ -260,12 +265,23 @@ impl Report {
                 time(*longest_write),
                 milliseconds(*longest_write),
             ),
-            row("longest_recovery_line_ms", "Longest until the line recovered", time(*line), milliseconds(*line)),
+            row(
+                "longest_recovery_line_ms",
+                "Longest until the line recovered",
+                recovery(line, line_after),
+                milliseconds(*line),
+            ),
             row(
                 "longest_recovery_module_ms",
                 "Longest until the last module recovered",
-                recovery,
+                recovery(module, module_after),
                 milliseconds(*module),
+            ),
+            row(
+                "undisturbed_ms",
+                "The same where nothing was wrong before",
+                time(*undisturbed),
+                milliseconds(*undisturbed),
             ),
             row("poll_period_ms", "Poll period", time(POLL_PERIOD), milliseconds(POLL_PERIOD)),
             row("quit_ms", "Time to quit", time(self.quit), milliseconds(self.quit)),

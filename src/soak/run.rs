@@ -23,6 +23,8 @@ const MOST_START: Duration = Duration::from_secs(30);
 /// How often something else is looked at in the window, and how often memory is.
 const LOOK_ELSEWHERE_EVERY: Duration = Duration::from_millis(1_500);
 const MEMORY_EVERY: Duration = Duration::from_secs(1);
+/// How often it is measured what a round takes where nothing is wrong.
+const UNDISTURBED_ROUNDS: u32 = 5;
 /// A user scans in every so many phases, and writes in all others and those too.
 const SCAN_EVERY: u64 = 3;
 
@@ -156,14 +158,24 @@ impl Run<'_> {
         for target in self.line.targets.clone() {
             self.program.apply(Action::SetInterval(target, POLL_PERIOD));
         }
-        self.recovery = Some(Recovery::new(Instant::now(), &self.line.targets));
-        let read = found && self.until(MOST_START, |run| run.recovery.as_ref().is_some_and(|all| all.all.is_some()));
+        let read = found && self.hear_all().is_some();
+        for _ in 0..UNDISTURBED_ROUNDS {
+            let took = self.hear_all().unwrap_or_default();
+            self.report.recoveries.undisturbed = self.report.recoveries.undisturbed.max(took);
+        }
         self.report.modules = self.program.bench().modules().len();
         if !read && !(self.stopped)() {
             self.report.troubles.push("not every module was found and read before the first fault".to_owned());
         }
         (self.tell)(&format!("{} modules are polled, {}", self.report.modules, file.display()));
         read
+    }
+
+    /// Waits until everything of every module was measured anew; how long that took.
+    fn hear_all(&mut self) -> Option<Duration> {
+        self.recovery = Some(Recovery::new(Instant::now(), &self.line.targets));
+        self.until(MOST_START, |run| run.recovery.as_ref().is_some_and(|all| all.all.is_some()));
+        self.recovery.take()?.all.map(|(took, _)| took)
     }
 
     fn all_phases(&mut self, begin: Instant) {
@@ -218,13 +230,17 @@ impl Run<'_> {
         });
         let Some(recovery) = self.recovery.take() else { return String::new() };
         let recoveries = &mut self.report.recoveries;
-        recoveries.line = recoveries.line.max(recovery.line.unwrap_or_else(|| since.elapsed()));
+        let line = recovery.line.unwrap_or_else(|| since.elapsed());
+        if line > recoveries.line {
+            *recoveries = Recoveries { line, line_after: name.clone(), ..recoveries.clone() };
+        }
         match recovery.all {
-            Some(time) => {
-                if time > recoveries.module {
-                    *recoveries = Recoveries { module: time, after: name.clone(), ..recoveries.clone() };
+            Some((module, last)) => {
+                if module > recoveries.module {
+                    *recoveries = Recoveries { module, module_after: name.clone(), ..recoveries.clone() };
                 }
-                format!("recovered after {:.1} s", time.as_secs_f64())
+                let (line, module, last) = (line.as_secs_f64(), module.as_secs_f64(), last.address);
+                format!("the line is back after {line:.1} s, all modules after {module:.1} s (address {last} last)")
             }
             None if (self.stopped)() || self.broken => "not waited for".to_owned(),
             None => {
