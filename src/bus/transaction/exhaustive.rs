@@ -208,7 +208,8 @@ fn whatever_the_order_of_answers_and_timeouts_of_three_questions_each_is_taken_f
 #[test]
 fn after_any_late_or_missing_answer_a_punctual_one_is_taken() {
     let punctual = Manner::Answers { after: Duration::from_millis(5), pause: (0, Duration::ZERO), noise: false };
-    for language in languages() {
+    // A late name is not waited for, so a module that is busy with it may not have come to the question after it.
+    for language in languages().into_iter().filter(|[first, ..]| !first.expected.is_choosy()) {
         for first in manners(&[5, 62, 130, 1_900], &[0, 45], 7) {
             let answered = converse(&language, &[first, punctual]).expect("the right answers");
             assert_eq!(answered.last(), Some(&true), "{first:?}");
