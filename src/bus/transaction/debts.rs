@@ -114,6 +114,11 @@ impl Debts {
         self.settings = settings;
     }
 
+    /// Whether `request` itself is owed an answer.
+    pub fn owes(&self, request: &[u8], now: Instant) -> bool {
+        self.all.iter().any(|debt| debt.request == request && !debt.paid && debt.until > now)
+    }
+
     /// Until when `request` must not be sent; `None` if it may be at once.
     pub fn until(&self, shape: Shape, request: &[u8], now: Instant) -> Option<Instant> {
         let as_good = |debt: &&Debt| debt.request == request && asks_for_name(request);

@@ -223,9 +223,13 @@ impl Wire {
         expected
     }
 
-    /// As [`Self::exchange`], but for a question whose answer can be told from all others: it is sent at once. True if
+    /// As [`Self::exchange`], but for a question whose answer can be told from all others: no other answer is waited for. True if
     /// other bytes came with it that may be an answer too.
     pub fn probe(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<(Vec<u8>, bool), Failure> {
+        // While the same question is under way, one more would only keep the module busy for longer.
+        if self.debts.owes(request, self.line.now()) {
+            self.wait_for_late(self.line.now() + window, expected)?;
+        }
         self.speak_and_note(request, expected, window)
     }
 

@@ -20,20 +20,24 @@ pub struct Reading {
     id: RequestId,
     target: Target,
     plan: ReadPlan,
-    /// The plan before: what was learned from answers that belonged to other questions is forgotten.
-    untaught: ReadPlan,
     run: ReadRun,
+    /// Plan and run when it was last certain which answer belonged to which question: what has come since is forgotten
+    /// where it is not.
+    certain: (ReadPlan, ReadRun),
+    since: Instant,
     patience: Patience,
-    /// What is learned goes back to the watch.
+    /// What is learned goes back to the watch, and what comes is told in parts.
     poll: bool,
-    /// When something of it was told last.
-    told: Instant,
-    /// How often it was begun anew because it was not certain which answer belonged to which question.
-    begun_anew: u8,
+    /// The module has answered.
+    heard: bool,
+    /// How often it went back to what is certain since that was made so; then every answer is made certain by itself.
+    went_back: u8,
+    careful: bool,
 }
 
-/// On a slow line a poll takes seconds; what it has brought is told earlier, so that a recording has it in time.
-const TELL_AFTER: Duration = Duration::from_millis(300);
+/// On a slow line a reading takes seconds: what it has brought is made certain earlier, so that less is lost where an answer
+/// too many comes, and a recording has it in time.
+const CERTAIN_AFTER: Duration = Duration::from_millis(300);
 
 fn not_offered(id: &str, target: Target) -> WriteError {
     WriteError::NotOffered { id: id.to_owned(), protocol: target.protocol }
@@ -254,9 +258,11 @@ impl Worker {
             let values = plan.all_failed(&failure, at);
             return self.tell(BusEvent::Read { id, target, at, values });
         }
-        let untaught = plan.clone();
-        let (run, told) = (plan.begin(target.address), self.line_time());
-        self.reading = Some(Reading { untaught, id, target, plan, run, patience, poll, told, begun_anew: 0 });
+        let (run, since) = (plan.begin(target.address), self.line_time());
+        let certain = (plan.clone(), run.clone());
+        let (heard, went_back, careful) = (false, 0, false);
+        self.reading =
+            Some(Reading { id, target, plan, run, certain, since, patience, poll, heard, went_back, careful });
     }
 
     /// Asks the next question of the read under way, and tells its result when it was the last.
@@ -271,18 +277,19 @@ impl Worker {
                 false
             }
         };
-        let tells = reading.poll && self.line_time().saturating_duration_since(reading.told) >= TELL_AFTER;
-        if more && !tells {
+        reading.heard |= reading.run.is_answered();
+        let uncertain_for = self.line_time().saturating_duration_since(reading.since);
+        if more && !reading.careful && uncertain_for < CERTAIN_AFTER {
             self.reading = Some(reading);
             return;
         }
         match (self.verify(&reading), more) {
-            (Err(failure), _) => self.begin_anew(reading, failure),
+            (Err(failure), _) => self.go_back(reading, failure),
             (Ok(()), true) => {
-                self.tell_so_far(&mut reading);
+                self.note_certain(&mut reading);
                 self.reading = Some(reading);
             }
-            (Ok(()), false) => self.end_reading(reading, None),
+            (Ok(()), false) => self.end_reading(reading),
         }
     }
 
@@ -294,39 +301,33 @@ impl Worker {
         }
     }
 
-    fn begin_anew(&mut self, mut reading: Reading, failure: Failure) {
-        reading.plan = reading.untaught.clone();
-        let once_more = failure.is_garbage() && reading.begun_anew < reading.patience.after_garbage;
-        if once_more {
-            reading.begun_anew = reading.begun_anew.saturating_add(1);
-            reading.run = reading.plan.begin(reading.target.address);
+    /// Asks again what has come since it was last certain whose the answers were, or does without it.
+    fn go_back(&mut self, mut reading: Reading, failure: Failure) {
+        (reading.plan, reading.run) = reading.certain.clone();
+        if failure.is_garbage() && reading.went_back < reading.patience.after_garbage {
+            reading.went_back = reading.went_back.saturating_add(1);
+            reading.careful = true;
             self.reading = Some(reading);
         } else {
-            self.end_reading(reading, Some(failure));
+            reading.run.fail(&failure, self.timestamp());
+            self.end_reading(reading);
         }
     }
 
-    fn tell_so_far(&mut self, reading: &mut Reading) {
-        reading.told = self.line_time();
-        let values = reading.plan.so_far(&reading.run);
+    fn note_certain(&mut self, reading: &mut Reading) {
+        let Reading { id, target, plan, run, certain, since, poll, went_back, .. } = reading;
+        (*certain, *since, *went_back) = ((plan.clone(), run.clone()), self.line_time(), 0);
+        let values = if *poll { plan.so_far(run) } else { Vec::new() };
         if !values.is_empty() {
-            self.tell(BusEvent::Reading { id: reading.id, target: reading.target, values });
+            self.tell(BusEvent::Reading { id: *id, target: *target, values });
         }
     }
 
-    /// Tells what the reading has brought; with `spoiled` none of it can be used.
-    fn end_reading(&mut self, reading: Reading, spoiled: Option<Failure>) {
-        let Reading { id, target, plan, mut run, poll, .. } = reading;
-        let (at, now, answered) = (self.timestamp(), self.line_time(), run.is_answered());
-        if let Some(failure) = &spoiled {
-            run.fail(failure, at);
-        }
-        let mut values = plan.finish(run, at);
-        if let Some(failure) = spoiled {
-            values.iter_mut().filter(|answer| answer.result.is_ok()).for_each(|answer| {
-                answer.result = Err(failure.clone());
-            });
-        }
+    /// Tells what the reading has brought.
+    fn end_reading(&mut self, reading: Reading) {
+        let Reading { id, target, plan, run, poll, heard, .. } = reading;
+        let (at, now) = (self.timestamp(), self.line_time());
+        let values = plan.finish(run, at);
         let lost = values.iter().find_map(|answer| match &answer.result {
             Err(failure @ Failure::LineLost(_)) => Some(failure.clone()),
             _ => None,
@@ -334,12 +335,12 @@ impl Worker {
         match (poll, lost) {
             // A line that is lost tells nothing of the module.
             (_, Some(lost)) => self.note_loss(Some(lost)),
-            (true, None) => self.watches.polled(id, &target, plan, answered, now),
-            (false, None) if answered => self.watches.heard(&target, now),
+            (true, None) => self.watches.polled(id, &target, plan, heard, now),
+            (false, None) if heard => self.watches.heard(&target, now),
             (false, None) => {}
         }
         self.tell(BusEvent::Read { id, target, at, values });
-        if poll && answered {
+        if poll && heard {
             self.complete_watch(target);
         }
     }
