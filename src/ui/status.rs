@@ -12,7 +12,7 @@ use super::words;
 use crate::bench::LineState;
 use crate::bus::Statistics;
 
-pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, notices: &Notices) {
+pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, notices: &mut Notices) {
     ui.horizontal_centered(|ui| {
         line(ui, pass.bench.line());
         if pass.bench.line().is_open() {
