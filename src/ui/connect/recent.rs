@@ -7,18 +7,19 @@ use crate::bench::{Action, Bench};
 use crate::bus::LineAddress;
 use crate::ui::app::Pass;
 use crate::ui::settings::{LineChoice, Now, Place, RecentLine, Settings};
+use crate::ui::tables::{Part, Sheet, copied_row};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
 /// The rows of the list of lines; nothing while no line was opened yet.
-pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>) {
-    if pass.settings.recent_ports.is_empty() {
+pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>, shown: &mut Vec<RecentLine>) {
+    if shown.is_empty() {
         return;
     }
     widgets::section(ui, "Recent");
     let mut forgotten = None;
-    for (index, recent) in pass.settings.recent_ports.clone().iter().enumerate() {
-        ui.horizontal(|ui| {
+    for (index, recent) in shown.iter().enumerate() {
+        let row = ui.horizontal(|ui| {
             name(ui, pass, recent);
             widgets::at_right(ui, |ui| {
                 let forget = widgets::glyph_button(ui, Glyph::Cross, &format!("Forget {}", recent.name()), true);
@@ -28,10 +29,26 @@ pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>) {
                 connect(ui, pass, recent);
             });
         });
+        let bench = pass.bench;
+        copied_row(ui, row.response.rect, ui.scope_id().with(("recent", index)), |part| match part {
+            Part::Row => sheet(bench, std::slice::from_ref(recent)),
+            Part::Table => sheet(bench, shown),
+        });
     }
     if let Some(index) = forgotten {
-        pass.settings.recent_ports.remove(index);
+        let forgotten = shown.remove(index);
+        pass.settings.recent_ports.retain(|recent| *recent != forgotten);
     }
+}
+
+/// Recent lines as they are copied.
+fn sheet(bench: &Bench, lines: &[RecentLine]) -> Sheet {
+    let mut sheet = Sheet::new(["Line", "State"]);
+    for recent in lines {
+        let (name, state) = told(bench, recent);
+        sheet.push([name, state]);
+    }
+    sheet
 }
 
 /// A click chooses the line with its speed and format.
