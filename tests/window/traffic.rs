@@ -8,10 +8,9 @@ use dcon_bench::bus::{Bus, BusEvent, Direction, Frame, LineAddress, Verdict};
 use dcon_bench::module::Catalogue;
 use dcon_bench::protocol::{LineSettings, Protocol, modbus};
 use dcon_bench::sim::{Pace, Sim};
-use dcon_bench::ui::{App, LineChoice, Settings, Start};
+use dcon_bench::ui::{App, Settings, Start};
 use eframe::egui::accesskit::Role;
-use eframe::egui::{OutputCommand, vec2};
-use egui_kittest::Harness;
+use eframe::egui::OutputCommand;
 use egui_kittest::kittest::{NodeT, Queryable};
 use jiff::{SignedDuration, Timestamp};
 
@@ -19,23 +18,17 @@ use crate::harness::*;
 
 /// A window that asks for paths in a field.
 pub fn window_with_field(sim: &Sim) -> Window {
-    let simulated = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
-    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let ctx = creation.egui_ctx.clone();
-        let settings = Settings { line: LineChoice::Simulated, ..Settings::default() };
-        App::new(&ctx, bench(&ctx), Start { simulated, demo: false, settings }).without_system_dialogs()
-    })
+    let start = start(sim, false, simulated());
+    window_of(move |ctx| App::new(ctx, bench(ctx), start).without_system_dialogs())
 }
 
 /// A window whose bus is played by the test, with these frames in its log.
-fn window_of(frames: Vec<Frame>) -> (Window, std::sync::mpsc::SyncSender<BusEvent>) {
+fn played(frames: Vec<Frame>) -> (Window, std::sync::mpsc::SyncSender<BusEvent>) {
     let (bus, _commands, events) = Bus::detached();
     let mut bench = Bench::new(bus, Arc::new(Catalogue::built_in().0), &[]);
     frames.into_iter().for_each(|frame| bench.take(BusEvent::Traffic(frame)));
-    let window = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let start = Start { simulated: LineAddress::demo(), demo: false, settings: Settings::default() };
-        App::new(&creation.egui_ctx, bench, start).without_system_dialogs()
-    });
+    let start = Start { simulated: LineAddress::demo(), demo: false, settings: Settings::default() };
+    let window = window_of(move |ctx| App::new(ctx, bench, start).without_system_dialogs());
     (window, events)
 }
 
@@ -158,7 +151,7 @@ fn a_search_finds_bytes_text_and_trouble() {
         frame(1, &[], Protocol::ModbusRtu, Verdict::Silent),
         frame(2, b"$01M\r", Protocol::Dcon, Verdict::Request),
     ];
-    let (mut window, _events) = window_of(frames);
+    let (mut window, _events) = played(frames);
     click(&mut window, Role::Button, "Traffic");
     search(&mut window, "01E5");
     assert!(has_row(&window, &["01 E5"]) && rows(&window).len() == 1, "{:?}", rows(&window));
