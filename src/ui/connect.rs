@@ -168,6 +168,7 @@ fn host(ui: &mut Ui, settings: &mut Settings) {
         TextEdit::singleline(&mut settings.host).desired_width(theme::HOST_WIDTH).hint_text("Host or host:port");
     let response = ui.add(field);
     widgets::name_field(&response, "Host", &settings.host);
+    response.on_hover_text("Name or address of the module or gateway; without a port it is 502");
 }
 
 fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
@@ -180,6 +181,7 @@ fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
         }
     });
     widgets::name_combo(&response.response, "Speed", &speed);
+    response.response.on_hover_text("Speed of the line in bits a second, for the next scan");
     let format = chosen.data_format.label();
     let combo = widgets::combo("format", theme::FORMAT_WIDTH, format);
     let response = combo.show_ui(ui, |ui| {
@@ -188,6 +190,7 @@ fn speed_and_format(ui: &mut Ui, settings: &mut Settings) {
         }
     });
     widgets::name_combo(&response.response, "Data format", format);
+    response.response.on_hover_text("Data bits, parity and stop bits, for the next scan");
 }
 
 /// The buttons that an empty list offers.
@@ -197,7 +200,12 @@ pub fn offers(ui: &mut Ui, pass: &mut Pass<'_>) {
     for (ready, name) in [(Ready::Quick, "Quick scan"), (Ready::Full, "Full scan")] {
         let action = pass.connect.scan(pass.bench, pass.settings, plan_of(ready, pass.settings));
         let button = ui.add_enabled(!scanning && action.is_ok(), egui::Button::new(name));
-        if button.clicked()
+        let means = match ready {
+            Ready::Quick => scanning::quick_words(pass.settings),
+            Ready::Full => scanning::full_words(pass.settings).to_owned(),
+        };
+        let reason = action.as_ref().err().cloned().unwrap_or_else(|| scanning::RUNNING.to_owned());
+        if button.on_hover_text(means).on_disabled_hover_text(reason).clicked()
             && let Ok(action) = action
         {
             pass.actions.push(action);
@@ -206,7 +214,8 @@ pub fn offers(ui: &mut Ui, pass: &mut Pass<'_>) {
 }
 
 pub fn offer_simulated(ui: &mut Ui, pass: &mut Pass<'_>) {
-    if ui.button("Try the simulated line").clicked() {
+    let button = ui.button("Try the simulated line");
+    if button.on_hover_text("Modules that the program imitates; nothing has to be connected").clicked() {
         let action = pass.connect.try_simulated(pass.settings);
         pass.actions.push(action);
     }

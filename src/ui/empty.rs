@@ -46,7 +46,7 @@ fn no_port(ui: &mut Ui, pass: &mut Pass<'_>) {
     widgets::empty_state(ui, palette, "There is no serial port", &lines);
     connect::hints(ui, pass.bench.port_hints());
     ui.horizontal(|ui| {
-        if ui.button("Look again").clicked() {
+        if ui.button("Look again").on_hover_text("Looks up which ports there are now").clicked() {
             pass.actions.push(Action::RefreshPorts);
         }
         connect::offer_simulated(ui, pass);

@@ -72,10 +72,10 @@ pub fn strip(ui: &mut Ui, bench: &Bench, notices: &mut Notices) {
         widgets::glyph(ui, Glyph::Triangle, palette.error);
         widgets::at_right(ui, |ui| {
             let text = if more == 0 { "Dismiss".to_owned() } else { format!("Dismiss {}", more + 1) };
-            if ui.button(text).clicked() {
+            if ui.button(text).on_hover_text("Takes it away here; the list of notices keeps it").clicked() {
                 notices.acknowledged = Some(number);
             }
-            if ui.button("Copy").clicked() {
+            if ui.button("Copy").on_hover_text("Copies this text").clicked() {
                 ui.ctx().copy_text(newest.text.clone());
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -131,11 +131,11 @@ fn list(ui: &mut Ui, pass: &mut Pass<'_>, until: &mut u64) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Notices").heading());
         widgets::at_right(ui, |ui| {
-            if ui.button("Clear").clicked() {
+            if ui.button("Clear").on_hover_text("Forgets all notices so far").clicked() {
                 pass.actions.push(Action::ClearNotices);
                 ui.close();
             }
-            if ui.button("Copy all").clicked() {
+            if ui.button("Copy all").on_hover_text("One line each, with time and kind").clicked() {
                 ui.ctx().copy_text(pass.bench.notices().map(as_line).collect());
             }
             let newest = pass.bench.notices().next_back().map_or(*until, |notice| notice.number);

@@ -1,11 +1,12 @@
 //! The poll plan: which modules are polled, how often, and what of each.
 
 use std::collections::BTreeSet;
+use std::slice;
 
 use eframe::egui::{self, Align, Align2, Grid, Id, Modal, Rect, Role, ScrollArea, Ui, WidgetInfo};
 
 use super::app::Pass;
-use super::tables::{Part, Sheet, copied_row};
+use super::tables::{Sheet, copied_row};
 use super::{interval, theme, widgets, words};
 use crate::bench::{Action, DEFAULT_INTERVAL, LineState, Module};
 use crate::module::{Definition, Item};
@@ -66,9 +67,8 @@ fn plan(ui: &mut Ui, pass: &mut Pass<'_>) {
         for module in bench.modules() {
             if let Some(definition) = module.definition() {
                 let rect = row(ui, module, definition, closed, pass.actions);
-                copied_row(ui, rect, ui.scope_id().with(("row", module.target)), |part| match part {
-                    Part::Row => sheet([module]),
-                    Part::Table => sheet(bench.modules()),
+                copied_row(ui, rect, ui.scope_id().with(("row", module.target)), |part| {
+                    sheet(part.of(slice::from_ref(module), bench.modules()))
                 });
                 ui.end_row();
             }
@@ -77,7 +77,7 @@ fn plan(ui: &mut Ui, pass: &mut Pass<'_>) {
 }
 
 /// The plan as it is copied.
-fn sheet<'a>(modules: impl IntoIterator<Item = &'a Module>) -> Sheet {
+fn sheet(modules: &[Module]) -> Sheet {
     let mut sheet = Sheet::new(["Module", "Line", "Interval", "What", "Questions"]);
     for module in modules {
         let Some(definition) = module.definition() else { continue };

@@ -147,6 +147,28 @@ fn the_newest_recordings_are_a_click_away() {
 }
 
 #[test]
+fn nothing_in_the_menu_of_recordings_moves_when_the_newest_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
+    let name = recorded(&mut window).file_name().unwrap().to_str().unwrap().to_owned();
+    click(&mut window, Role::Button, "Recording");
+    // The popup finds its place in its second picture.
+    window.step();
+    let places = |window: &Window| {
+        let entries = window.query_all_by_role(Role::MenuItem);
+        entries.map(|entry| (entry.accesskit_node().label(), entry.rect())).collect::<Vec<_>>()
+    };
+    let before = places(&window);
+    assert!(before.len() >= 4, "{before:?}");
+    until(&mut window, "it is found", |window| window.query_by_role_and_label(Role::MenuItem, &name).is_some());
+    for _ in 0..3 {
+        let now = places(&window);
+        assert!(before.iter().all(|entry| now.contains(entry)), "{before:?} became {now:?}");
+        window.step();
+    }
+}
+
+#[test]
 fn what_is_no_recording_is_said_in_its_tab() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("letter.txt");

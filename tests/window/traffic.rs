@@ -9,8 +9,8 @@ use dcon_bench::module::Catalogue;
 use dcon_bench::protocol::{LineSettings, Protocol, modbus};
 use dcon_bench::sim::{Pace, Sim};
 use dcon_bench::ui::{App, Settings, Start};
-use eframe::egui::accesskit::Role;
 use eframe::egui::OutputCommand;
+use eframe::egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use jiff::{SignedDuration, Timestamp};
 
@@ -112,7 +112,7 @@ fn a_click_shows_the_fields_of_a_frame_and_copy_copies_it() {
         frame(3, b"!01PIR234\r", Protocol::Dcon, Verdict::Answer),
     ];
     let first = frame(0, &request, Protocol::ModbusRtu, Verdict::Request);
-    let (mut window, _events) = window_of([vec![first, broken], dcon.to_vec()].concat());
+    let (mut window, _events) = played([vec![first, broken], dcon.to_vec()].concat());
     click(&mut window, Role::Button, "Traffic");
     assert!(has_row(&window, &["Sent", "01 04 01 E5 00 01"]));
     assert!(has_row(&window, &["Received", "wrong CRC: 0101", "Broken"]));
@@ -169,7 +169,7 @@ fn two_hundred_thousand_frames_lay_out_what_is_in_view_and_pause_holds() {
         let request = frame(2 * index, &request, Protocol::ModbusRtu, Verdict::Request);
         [request, frame(2 * index + 1, &answer, Protocol::ModbusRtu, Verdict::Answer)]
     };
-    let (mut window, events) = window_of((0..100_000).flat_map(pair).collect());
+    let (mut window, events) = played((0..100_000).flat_map(pair).collect());
     click(&mut window, Role::Button, "Traffic");
     until(&mut window, "the end is in view", |window| rows(window).last().is_some_and(|row| row.contains(":39.980")));
     window.step();

@@ -1,5 +1,7 @@
 //! The list of lines to choose from: recent ones, the ports that the system knows, and what needs no port.
 
+use std::slice;
+
 use eframe::egui::{self, Rect, Response, RichText, TextEdit, Ui};
 
 use super::{Connect, SIMULATED, TCP, present_name, recent};
@@ -7,7 +9,7 @@ use crate::bench::{Action, Bench};
 use crate::bus::PortInfo;
 use crate::ui::app::Pass;
 use crate::ui::settings::{LineChoice, RecentLine, Settings};
-use crate::ui::tables::{Part, Sheet, copied_row};
+use crate::ui::tables::{Sheet, copied_row};
 use crate::ui::{theme, widgets};
 
 /// The box that shows the chosen line and opens the list.
@@ -68,9 +70,8 @@ fn lines(ui: &mut Ui, pass: &mut Pass<'_>) {
     hints(ui, &shown.hints);
     for port in &shown.ports {
         let row = port_entry(ui, port, settings);
-        copied_row(ui, row, ui.scope_id().with(("port", &port.name)), |part| match part {
-            Part::Row => sheet(std::slice::from_ref(port)),
-            Part::Table => sheet(&shown.ports),
+        copied_row(ui, row, ui.scope_id().with(("port", &port.name)), |part| {
+            sheet(part.of(slice::from_ref(port), shown.ports.as_slice()))
         });
     }
     other_port(ui, settings);
@@ -140,13 +141,16 @@ fn other_port(ui: &mut Ui, settings: &mut Settings) {
         let choice = LineChoice::Port(settings.other_port.trim().to_owned());
         let chosen = settings.line == choice;
         let named = !settings.other_port.trim().is_empty();
-        if ui.add_enabled(named, egui::Button::selectable(chosen, "Other port")).clicked() {
+        let means = "A port that the system does not list, by its name";
+        let entry = ui.add_enabled(named, egui::Button::selectable(chosen, "Other port")).on_hover_text(means);
+        if entry.on_disabled_hover_text("Write its name first").clicked() {
             settings.line = choice;
             ui.close();
         }
         let field = TextEdit::singleline(&mut settings.other_port).desired_width(theme::HOST_WIDTH);
         let response = ui.add(field.hint_text(if cfg!(windows) { "COM12" } else { "/dev/pts/3" }));
         widgets::name_field(&response, "Other port", &settings.other_port);
+        let response = response.on_hover_text(means);
         if response.changed() {
             settings.line = LineChoice::Port(settings.other_port.trim().to_owned());
         }
@@ -168,5 +172,26 @@ fn chosen(connect: &Connect, bench: &Bench, settings: &Settings) -> String {
             let present = bench.ports().iter().find(|port| port.name == name);
             present.map_or_else(|| format!("{name}   not listed"), named)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bus::UsbIdentity;
+
+    #[test]
+    fn ports_are_copied_with_what_tells_adapters_apart_and_why_one_cannot_be_opened() {
+        let usb = UsbIdentity { vendor: 0x0403, product: 0x6001, serial: Some("A1".to_owned()), interface: None };
+        let port = |name: &str, usb, problem: Option<&str>| PortInfo {
+            name: name.to_owned(),
+            description: "Port".to_owned(),
+            problem: problem.map(str::to_owned),
+            usb,
+        };
+        let ports = [port("COM1", None, Some("busy")), port("COM3", Some(usb), None)];
+        let text =
+            "Port\tDescription\tUSB\tSerial number\tProblem\nCOM1\tPort\t\t\tbusy\nCOM3\tPort\t0403:6001\tA1\t\n";
+        assert_eq!(sheet(&ports).into_text(), text);
     }
 }

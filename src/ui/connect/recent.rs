@@ -1,5 +1,7 @@
 //! Lines that were opened before: what the system says of each now, and connecting again as last time.
 
+use std::slice;
+
 use eframe::egui::{Ui, vec2};
 
 use super::{Ready, TCP, plan_of};
@@ -7,7 +9,7 @@ use crate::bench::{Action, Bench};
 use crate::bus::LineAddress;
 use crate::ui::app::Pass;
 use crate::ui::settings::{LineChoice, Now, Place, RecentLine, Settings};
-use crate::ui::tables::{Part, Sheet, copied_row};
+use crate::ui::tables::{Sheet, copied_row};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -30,9 +32,8 @@ pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>, shown: &mut Vec<RecentLine>) {
             });
         });
         let bench = pass.bench;
-        copied_row(ui, row.response.rect, ui.scope_id().with(("recent", index)), |part| match part {
-            Part::Row => sheet(bench, std::slice::from_ref(recent)),
-            Part::Table => sheet(bench, shown),
+        copied_row(ui, row.response.rect, ui.scope_id().with(("recent", index)), |part| {
+            sheet(bench, part.of(slice::from_ref(recent), shown.as_slice()))
         });
     }
     if let Some(index) = forgotten {
@@ -62,6 +63,7 @@ fn name(ui: &mut Ui, pass: &mut Pass<'_>, recent: &RecentLine) {
     let (name, state) = told(bench, recent);
     let button = ui.add_enabled(possible.is_ok(), eframe::egui::Button::selectable(chosen, &name));
     widgets::describe(&button, eframe::egui::Role::Button, &format!("Recent {name}"));
+    let button = button.on_hover_text("Chooses this line with the speed and format of last time");
     if button.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
         choose(bench, pass.settings, recent);
         ui.close();

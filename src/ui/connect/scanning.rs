@@ -16,7 +16,7 @@ pub fn buttons(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
         let quick = pass.connect.scan(pass.bench, pass.settings, plan_of(Ready::Quick, pass.settings));
-        let reason = if scanning { Some("A scan is running") } else { quick.as_ref().err().map(String::as_str) };
+        let reason = if scanning { Some(RUNNING) } else { quick.as_ref().err().map(String::as_str) };
         let button = ui.add_enabled(reason.is_none(), egui::Button::new("Scan"));
         let button = button.on_disabled_hover_text(reason.unwrap_or_default());
         if button.on_hover_text(quick_words(pass.settings)).clicked()
@@ -24,25 +24,36 @@ pub fn buttons(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
         {
             pass.actions.push(action);
         }
-        ui.add_enabled_ui(!scanning, |ui| widgets::menu(ui, "", "Scan options", |ui| scan_menu(ui, pass, form)));
+        let options = |ui: &mut Ui| widgets::menu(ui, "", "Scan options", |ui| scan_menu(ui, pass, form));
+        let options = ui.add_enabled_ui(!scanning, options).inner;
+        options.on_hover_text("Other scans: more places, or those that you choose").on_disabled_hover_text(RUNNING);
     });
 }
 
-fn quick_words(settings: &Settings) -> String {
+pub const RUNNING: &str = "A scan is running";
+
+/// What a quick scan asks.
+pub fn quick_words(settings: &Settings) -> String {
     match settings.line {
         LineChoice::Tcp => "Asks NetID 1 over Modbus TCP".to_owned(),
         _ => format!("Asks 33 likely addresses in both protocols at {}", settings.line_settings),
     }
 }
 
-fn scan_menu(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
-    ui.set_width(theme::SCAN_MENU_WIDTH);
-    let full_words = match pass.settings.line {
+/// What a full scan asks.
+pub fn full_words(settings: &Settings) -> &'static str {
+    match settings.line {
         LineChoice::Tcp => "All 247 NetIDs",
         _ => "Every address, speed, format, protocol and checksum",
-    };
-    let kinds =
-        [(Ready::Quick, "Quick scan", quick_words(pass.settings)), (Ready::Full, "Full scan", full_words.to_owned())];
+    }
+}
+
+fn scan_menu(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
+    ui.set_width(theme::SCAN_MENU_WIDTH);
+    let kinds = [
+        (Ready::Quick, "Quick scan", quick_words(pass.settings)),
+        (Ready::Full, "Full scan", full_words(pass.settings).to_owned()),
+    ];
     for (ready, title, explanation) in kinds {
         let plan = plan_of(ready, pass.settings);
         let title_with_time = format!("{title} – at most {}", words::span(plan.duration()));
@@ -80,10 +91,10 @@ pub fn running(ui: &mut Ui, progress: Option<&ScanProgress>, found: usize, actio
     widgets::fixed(ui, theme::TIME_LEFT, Align::Min, &left);
     let hold = if paused { "Resume" } else { "Pause" };
     let button = egui::Button::new(hold).min_size(egui::vec2(theme::BUTTON_WIDTH, theme::CONTROL_HEIGHT));
-    if ui.add(button).clicked() {
+    if ui.add(button).on_hover_text("The scan waits and goes on where it was").clicked() {
         actions.push(Action::PauseScan(!paused));
     }
-    if ui.button("Stop").clicked() {
+    if ui.button("Stop").on_hover_text("Ends the scan; what was found stays").clicked() {
         actions.push(Action::CancelScan);
     }
     let width = ui.available_width() - theme::BUTTON_WIDTH;
@@ -94,8 +105,11 @@ pub fn running(ui: &mut Ui, progress: Option<&ScanProgress>, found: usize, actio
 
 /// While no scan runs: how the last one went.
 pub fn at_rest(ui: &mut Ui, pass: &mut Pass<'_>) {
-    if !matches!(pass.bench.line(), LineState::Closed) && ui.button("Close line").clicked() {
-        pass.actions.push(Action::Disconnect);
+    if !matches!(pass.bench.line(), LineState::Closed) {
+        let close = ui.button("Close line").on_hover_text("Gives the port back; polling ends");
+        if close.clicked() {
+            pass.actions.push(Action::Disconnect);
+        }
     }
     faults::button(ui, pass);
     if let Some(ScanState::Ended(summary)) = pass.bench.scan() {

@@ -1,5 +1,7 @@
 //! What is known of the line or of one module: what was found first, then the numbers behind it.
 
+use std::slice;
+
 use eframe::egui::{Align, Button, Grid, Label, Layout, Rect, RichText, Ui, vec2};
 
 use super::{charts, mark, stations};
@@ -9,7 +11,7 @@ use crate::diagnosis::{
     TimeoutAdvice, Times, adapter_in_words, noise_in_words,
 };
 use crate::ui::app::Pass;
-use crate::ui::tables::{Part, Sheet, copied_row};
+use crate::ui::tables::{Sheet, copied_row};
 use crate::ui::{theme, widgets, words};
 
 pub fn line(ui: &mut Ui, report: &Report, pass: &mut Pass<'_>) {
@@ -108,15 +110,14 @@ fn findings(ui: &mut Ui, findings: &[Finding], none: &str) {
     }
     for (index, found) in findings.iter().enumerate() {
         let row = finding(ui, found);
-        copied_row(ui, row, ui.scope_id().with(("finding", index)), |part| match part {
-            Part::Row => findings_sheet([found]),
-            Part::Table => findings_sheet(findings),
+        copied_row(ui, row, ui.scope_id().with(("finding", index)), |part| {
+            findings_sheet(part.of(slice::from_ref(found), findings))
         });
     }
 }
 
 /// Findings as they are copied.
-fn findings_sheet<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> Sheet {
+fn findings_sheet(findings: &[Finding]) -> Sheet {
     let mut sheet = Sheet::new(["Severity", "Finding", "Evidence", "Likely cause", "Next step"]);
     for finding in findings {
         let Finding { severity, title, evidence, cause, next_step, .. } = finding;
@@ -188,9 +189,8 @@ fn facts(ui: &mut Ui, id: &str, rows: &[(&str, String)]) {
             let (name, text) = row;
             let first = widgets::quiet(ui, name).on_hover_text(meaning(name));
             let second = ui.add(Label::new(text.as_str()).wrap());
-            copied_row(ui, first.rect.union(second.rect), ui.scope_id().with(name), |part| match part {
-                Part::Row => sheet(std::slice::from_ref(row)),
-                Part::Table => sheet(rows),
+            copied_row(ui, first.rect.union(second.rect), ui.scope_id().with(name), |part| {
+                sheet(part.of(slice::from_ref(row), rows))
             });
             ui.end_row();
         }

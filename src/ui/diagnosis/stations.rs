@@ -1,25 +1,25 @@
 //! The line and its modules, to choose from.
 
+use std::slice;
+
 use eframe::egui::{Align, Response, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::mark;
 use crate::bus::Target;
 use crate::diagnosis::{ModuleReport, Report, Severity, Times};
-use crate::ui::tables::{Part, Sheet, copied};
+use crate::ui::tables::{Sheet, copied};
 use crate::ui::{theme, widgets, words};
 
 const HEADER: [&str; 7] = ["Place", "Line", "Exchanges", "Failed", "Median (ms)", "99 % (ms)", "Worst finding"];
 
 pub fn show(ui: &mut Ui, report: &Report, chosen: &mut Option<Target>) {
-    let rows: Vec<Row> = std::iter::once(Row::of_line(report)).chain(report.modules.iter().map(Row::of_module)).collect();
+    let rows: Vec<Row> =
+        std::iter::once(Row::of_line(report)).chain(report.modules.iter().map(Row::of_module)).collect();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for row in &rows {
             let response = row.show(ui, *chosen == row.place);
-            copied(&response, |part| match part {
-                Part::Row => sheet(std::slice::from_ref(row)),
-                Part::Table => sheet(&rows),
-            });
+            copied(&response, |part| sheet(part.of(slice::from_ref(row), rows.as_slice())));
             if response.clicked() {
                 *chosen = row.place;
             }

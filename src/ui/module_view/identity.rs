@@ -32,25 +32,25 @@ impl Default for Polling {
 
 /// `asks` are the items that the present tab reads when asked to read again.
 pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Header, asks: Vec<String>) {
-    // In a narrow pane, or with large text, the watchdog and the controls have rows of their own.
+    header.indicator.look_after_a_trip(module, pass);
+    // In a narrow pane, or with large text, the controls have a row of their own, and the watchdog has that of what the
+    // module said while there is something to say of it.
     let beside = ui.available_width() >= theme::MODULE_LEAST;
-    let indicator = indicator::width(module);
     ui.horizontal(|ui| {
-        ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
-        let others = if beside { indicator } else { 0.0 } + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
+        let name = ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
+        name.on_hover_text(facts(module, "firmware "));
+        let others =
+            if beside { indicator::width(module) } else { 0.0 } + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
         let width = (ui.available_width() - others).max(0.0);
         presence(ui, module, pass.bench.line(), width);
         widgets::at_right(ui, |ui| {
             unit_toggle(ui, &mut pass.settings.temperature);
             ui.add_space(theme::GAP);
             if beside {
-                header.indicator.show(ui, module, pass);
+                indicator::show(ui, module, pass);
             }
         });
     });
-    if !beside && indicator > 0.0 {
-        ui.horizontal(|ui| widgets::at_right(ui, |ui| header.indicator.show(ui, module, pass)));
-    }
     if beside {
         ui.horizontal(|ui| {
             let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + theme::READ_WIDTH + 3.0 * theme::GAP;
@@ -62,7 +62,11 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Head
             });
         });
     } else {
-        told(ui, module, ui.available_width());
+        if indicator::speaks(module) {
+            ui.horizontal(|ui| widgets::at_right(ui, |ui| indicator::show(ui, module, pass)));
+        } else {
+            told(ui, module, ui.available_width());
+        }
         ui.horizontal_wrapped(|ui| {
             read_again(ui, module, pass, asks);
             interval_selector(ui, module, pass.actions, &mut header.polling);
@@ -107,7 +111,7 @@ fn presence(ui: &mut Ui, module: &Module, line: &LineState, width: f32) {
 fn unit_toggle(ui: &mut Ui, unit: &mut TemperatureUnit) {
     ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
     for choice in TemperatureUnit::ALL.into_iter().rev() {
-        if widgets::chip(ui, *unit == choice, choice.symbol(), choice.symbol()) {
+        if widgets::chip(ui, *unit == choice, choice.symbol(), choice.symbol(), choice.means()) {
             *unit = choice;
         }
     }

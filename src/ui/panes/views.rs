@@ -85,10 +85,11 @@ fn absent(ui: &mut Ui, target: Target, pass: &mut Pass<'_>, wishes: &mut Vec<Wis
     ui.horizontal(|ui| {
         let obstacle = pass.bench.line().obstacle();
         let ask = ui.add_enabled(obstacle.is_none(), egui::Button::new("Ask there"));
+        let ask = ask.on_hover_text("Asks this address whether a module is there");
         if ask.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
             pass.actions.push(Action::LookFor(target));
         }
-        if ui.button("Close").clicked() {
+        if ui.button("Close").on_hover_text("Closes this tab").clicked() {
             wishes.push(Wish::Close(Pane::Module(target)));
         }
     });

@@ -56,7 +56,8 @@ fn back_button(ui: &mut Ui, name: &str) -> bool {
     let row = Panel::top("window row").frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {
             widgets::quiet(ui, name);
-            let button = |ui: &mut Ui| ui.button("Back as a tab").clicked();
+            let button =
+                |ui: &mut Ui| ui.button("Back as a tab").on_hover_text("Among the tabs of the main window").clicked();
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), button).inner
         })
     });

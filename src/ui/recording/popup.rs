@@ -1,7 +1,7 @@
 //! What a click on the recording offers. All of it has its room from the beginning, so that no entry moves when there is more
 //! to say.
 
-use eframe::egui::{Label, RichText, ScrollArea, Sense, Ui, UiBuilder, vec2};
+use eframe::egui::{RichText, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
 use super::{Wish, status};
 use crate::bench::Action;
@@ -12,10 +12,7 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     ui.set_width(theme::RECORDING_MENU);
     ui.label(RichText::new("Recording").heading());
     in_room(ui, "facts", theme::RECORDING_FACTS, |ui| {
-        for line in status::facts(pass.bench) {
-            let text = RichText::new(line).color(theme::palette(ui).quiet);
-            ui.add(Label::new(text).wrap());
-        }
+        status::facts(pass.bench).iter().for_each(|line| drop(widgets::quiet(ui, line)));
     });
     ui.add_space(theme::UNIT);
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -73,7 +70,6 @@ fn newest(ui: &mut Ui, pass: &mut Pass<'_>) {
 /// A room of this height, whatever is in it; what is more is scrolled.
 fn in_room(ui: &mut Ui, name: &str, height: f32, contents: impl FnOnce(&mut Ui)) {
     let (room, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-    ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
-        ScrollArea::vertical().id_salt(name).auto_shrink(false).max_height(height).show(ui, contents)
-    });
+    let mut ui = ui.new_child(UiBuilder::new().max_rect(room).id_salt(name));
+    ScrollArea::vertical().auto_shrink(false).show(&mut ui, contents);
 }

@@ -83,6 +83,14 @@ impl TemperatureUnit {
             Self::Fahrenheit => "°F",
         }
     }
+
+    /// What choosing it does.
+    pub fn means(self) -> &'static str {
+        match self {
+            Self::Celsius => "Shows temperatures in degrees Celsius",
+            Self::Fahrenheit => "Shows temperatures in degrees Fahrenheit",
+        }
+    }
 }
 
 /// Which line the selector stands at.

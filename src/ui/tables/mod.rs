@@ -6,6 +6,7 @@ mod events;
 mod export;
 mod follower;
 mod frames;
+pub mod meaning;
 mod scroll;
 mod selection;
 mod sheet;

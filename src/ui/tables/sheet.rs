@@ -1,8 +1,6 @@
 //! Tables as text for a spreadsheet, and the menu and keys that copy them: the same wherever a table stands.
 
-use eframe::egui::{
-    Context, Event, Id, Popup, Pos2, Rect, Response, Sense, Ui, text_selection::LabelSelectionState,
-};
+use eframe::egui::{Context, Event, Id, Popup, Pos2, Rect, Response, Sense, Ui, text_selection::LabelSelectionState};
 
 /// A table as it is copied: a header, then the rows, their cells parted by tabs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,6 +39,16 @@ impl Sheet {
 pub enum Part {
     Row,
     Table,
+}
+
+impl Part {
+    /// Which of the two is meant.
+    pub fn of<T>(self, row: T, table: T) -> T {
+        match self {
+            Self::Row => row,
+            Self::Table => table,
+        }
+    }
 }
 
 /// Lets a row be copied by a right click, and by Ctrl+C where it has the focus, or where nothing else has it and the

@@ -55,7 +55,11 @@ pub const STATUS_HEIGHT: f32 = 7.0 * UNIT;
 /// In less the choice of the line, and what is done with it, take two rows.
 pub const CONNECT_WIDTH: f32 = 200.0 * UNIT;
 pub const LIST_WIDTH: f32 = 60.0 * UNIT;
-pub const LIST_WIDTH_RANGE: std::ops::RangeInclusive<f32> = 50.0 * UNIT..=100.0 * UNIT;
+/// In a window that is `width` wide; a narrow one has more to show beside it.
+pub fn list_range(width: f32) -> std::ops::RangeInclusive<f32> {
+    let [least, most] = [50.0 * UNIT, 100.0 * UNIT];
+    least..=(width * 0.33).clamp(least, most)
+}
 pub const LINE_BOX_WIDTH: f32 = 56.0 * UNIT;
 pub const LINE_MENU_WIDTH: f32 = 90.0 * UNIT;
 pub const HOST_WIDTH: f32 = 38.0 * UNIT;
@@ -92,6 +96,8 @@ pub const NOTICES_HEIGHT: f32 = 80.0 * UNIT;
 pub const PATH_WIDTH: f32 = 90.0 * UNIT;
 /// Most room for the name of the line and its state.
 pub const LINE_STATE_WIDTH: f32 = 50.0 * UNIT;
+/// In less the status bar leaves out the figures of the line.
+pub const STATUS_WIDE: f32 = 225.0 * UNIT;
 pub const RATE_WIDTH: f32 = 29.0 * UNIT;
 pub const ERRORS_WIDTH: f32 = 20.0 * UNIT;
 pub const ANSWER_WIDTH: f32 = 24.0 * UNIT;

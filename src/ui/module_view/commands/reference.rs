@@ -1,5 +1,7 @@
 //! The reference of the module's commands: searchable, each with what the manual says and a form that fills it in.
 
+use std::slice;
+
 use eframe::egui::{Align, Button, Label, Response, RichText, Role, Sense, TextEdit, Ui, WidgetInfo};
 
 use super::{Wish, fields, line_size, scrolled, sending};
@@ -8,7 +10,7 @@ use crate::bench::console::{Direction, RawCommand, ReferenceEntry, search};
 use crate::module::Fields;
 use crate::protocol::Protocol;
 use crate::ui::app::Pass;
-use crate::ui::tables::{Part, Sheet, copied};
+use crate::ui::tables::{Sheet, copied};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -43,10 +45,7 @@ impl ReferencePage {
             for entry in &shown {
                 ui.push_id(&entry.id, |ui| {
                     let title = self.title(ui, entry);
-                    copied(&title, |part| match part {
-                        Part::Row => sheet(&[entry]),
-                        Part::Table => sheet(&shown),
-                    });
+                    copied(&title, |part| sheet(part.of(slice::from_ref(entry), shown.as_slice())));
                     if self.open.as_ref() == Some(&entry.id) {
                         wish = self.details(ui, module, pass, entry).or(wish.take());
                     }
@@ -110,7 +109,8 @@ impl ReferencePage {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = theme::UNIT;
             for (other, word) in [(Direction::Read, "Read"), (Direction::Write, "Write")] {
-                if widgets::chip(ui, direction == other, word, &format!("{word} with this command")) {
+                let means = "The command both reads and writes, in two forms";
+                if widgets::chip(ui, direction == other, word, &format!("{word} with this command"), means) {
                     direction = other;
                 }
             }
@@ -123,6 +123,7 @@ impl ReferencePage {
 pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) {
     let response = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(ui.available_width() - theme::GAP));
     widgets::name_field(&response, name, text);
+    response.on_hover_text(format!("Shows what has all of these words: {hint}"));
 }
 
 /// Commands of another protocol are listed too, but the module does not answer them.
@@ -201,7 +202,9 @@ fn finish(
         let button = ui.add_enabled(command.is_ok() && obstacle.is_none(), Button::new("Send"));
         button.widget_info(|| WidgetInfo::labeled(Role::Button, button.enabled(), format!("Send: {}", entry.title)));
         let button = button.on_disabled_hover_text(obstacle.unwrap_or_else(|| "Fill in the fields first".to_owned()));
+        let button = button.on_hover_text("Sends it once, as it stands at the right");
         let put = ui.add_enabled(command.is_ok(), Button::new("Put into the command line"));
+        let put = put.on_hover_text("To be changed there before it is sent");
         if put.clicked() {
             wish = Some(Wish::Line(shown.to_owned()));
         }
