@@ -269,7 +269,7 @@ impl App {
         }
         Panel::left("modules")
             .default_size(theme::LIST_WIDTH)
-            .size_range(theme::LIST_WIDTH_RANGE)
+            .size_range(theme::list_range(ui.ctx().content_rect().width()))
             .frame(theme::list_frame(palette))
             .show(ui, |ui| module_list::show(ui, &mut pass));
         let frame = theme::list_frame(palette);

@@ -246,6 +246,7 @@ fn path_field(ctx: &egui::Context, purpose: &Purpose, path: &mut String) -> Answ
         widgets::quiet(ui, &format!("This system has no file dialog. {explanation}"));
         let field = ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text(hint));
         widgets::name_field(&field, "Path", path);
+        let field = field.on_hover_text("The whole path, from the root on; Enter takes it");
         if ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();
         }

@@ -44,9 +44,9 @@ fn no_port(ui: &mut Ui, pass: &mut Pass<'_>) {
     let palette = theme::palette(ui);
     let lines = ["Plug in an adapter and choose it at the top left, or try the simulated line."];
     widgets::empty_state(ui, palette, "There is no serial port", &lines);
-    connect::hints(ui, pass.bench);
+    connect::hints(ui, pass.bench.port_hints());
     ui.horizontal(|ui| {
-        if ui.button("Look again").clicked() {
+        if ui.button("Look again").on_hover_text("Looks up which ports there are now").clicked() {
             pass.actions.push(Action::RefreshPorts);
         }
         connect::offer_simulated(ui, pass);

@@ -191,6 +191,7 @@ fn editor(ui: &mut Ui, kind: FaultKind, strength: &mut Strength) {
                 }
             });
             widgets::name_combo(&response.response, &format!("Strength of {}", kind.label()), &text);
+            response.response.on_hover_text("The speed at which it strikes");
         }
         Strength::Seconds(seconds) => {
             let response = ui.add(DragValue::new(seconds).range(-JUMP..=JUMP).speed(10.0).suffix(" s"));

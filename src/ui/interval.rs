@@ -31,6 +31,7 @@ pub fn selector(ui: &mut Ui, id: &str, name: &str, interval: Duration) -> Option
         }
     });
     widgets::name_combo(&response.response, name, &text);
+    response.response.on_hover_text("How often the module is asked for its readings");
     chosen
 }
 
@@ -43,11 +44,9 @@ fn other(ui: &mut Ui, id: &str) -> Option<Duration> {
         widgets::quiet(ui, "Other");
         let field = ui.add(TextEdit::singleline(&mut typed).desired_width(theme::FORM_UNIT).hint_text("0.25"));
         widgets::name_field(&field, "Other interval in seconds", &typed);
+        let field = field.on_hover_text("Seconds from 0 to 86400, such as 0.25; Enter takes it");
         widgets::quiet(ui, "s");
         let parsed = parse(&typed);
-        if !typed.is_empty() && parsed.is_none() {
-            field.clone().on_hover_text("Seconds from 0 to 86400, such as 0.25");
-        }
         if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
             chosen = parsed;
         }

@@ -18,6 +18,8 @@ pub struct Notices {
     acknowledged: Option<u64>,
     /// What is said of the line is over up to this number: it was open since.
     line_well: Option<u64>,
+    /// While the list is open it shows all up to this number, so that newer ones do not move the others.
+    listed: Option<u64>,
 }
 
 impl Notices {
@@ -32,7 +34,7 @@ impl Notices {
     /// Errors that still hold and that the user has not acknowledged, newest first. Of the line only the newest is
     /// told: each one replaces those before.
     pub fn waiting<'a>(&self, bench: &'a Bench) -> impl Iterator<Item = &'a Notice> {
-        let Self { acknowledged, line_well } = *self;
+        let Self { acknowledged, line_well, .. } = *self;
         let after = |notice: &Notice, until: Option<u64>| until.is_none_or(|until| notice.number > until);
         let mut line_told = false;
         let holds = move |notice: &&Notice| match notice.topic {
@@ -70,10 +72,10 @@ pub fn strip(ui: &mut Ui, bench: &Bench, notices: &mut Notices) {
         widgets::glyph(ui, Glyph::Triangle, palette.error);
         widgets::at_right(ui, |ui| {
             let text = if more == 0 { "Dismiss".to_owned() } else { format!("Dismiss {}", more + 1) };
-            if ui.button(text).clicked() {
+            if ui.button(text).on_hover_text("Takes it away here; the list of notices keeps it").clicked() {
                 notices.acknowledged = Some(number);
             }
-            if ui.button("Copy").clicked() {
+            if ui.button("Copy").on_hover_text("Copies this text").clicked() {
                 ui.ctx().copy_text(newest.text.clone());
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -84,7 +86,7 @@ pub fn strip(ui: &mut Ui, bench: &Bench, notices: &mut Notices) {
 }
 
 /// The newest notice, in the status bar, unless it stands in the strip above; a click shows them all.
-pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>, notices: &Notices) {
+pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>, notices: &mut Notices) {
     let palette = theme::palette(ui);
     let Some(notice) = pass.bench.notices().next_back() else {
         widgets::quiet(ui, "No notices");
@@ -109,33 +111,42 @@ pub fn newest(ui: &mut Ui, pass: &mut Pass<'_>, notices: &Notices) {
     ui.painter().galley(egui::pos2(left, rect.center().y - galley.size().y / 2.0), galley, palette.quiet);
     widgets::describe(&response, egui::Role::Button, "Notices");
     let response = response.on_hover_text(format!("{}: {}\nClick for all notices", word(notice.severity), notice.text));
-    egui::Popup::menu(&response)
+    let until = notices.listed.get_or_insert(notice.number);
+    let list = egui::Popup::menu(&response)
         .align(egui::RectAlign::TOP_END)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
-        .show(|ui| list(ui, pass));
+        .show(|ui| list(ui, pass, until));
+    if list.is_none() {
+        notices.listed = None;
+    }
 }
 
 fn told_above(bench: &Bench) -> String {
     words::counted(bench.notices().count(), "notice")
 }
 
-/// All notices, the newest first.
-fn list(ui: &mut Ui, pass: &mut Pass<'_>) {
+/// The notices up to this number, the newest first.
+fn list(ui: &mut Ui, pass: &mut Pass<'_>, until: &mut u64) {
     ui.set_width(theme::NOTICES_WIDTH);
     ui.horizontal(|ui| {
         ui.label(RichText::new("Notices").heading());
         widgets::at_right(ui, |ui| {
-            if ui.button("Clear").clicked() {
+            if ui.button("Clear").on_hover_text("Forgets all notices so far").clicked() {
                 pass.actions.push(Action::ClearNotices);
                 ui.close();
             }
-            if ui.button("Copy all").clicked() {
+            if ui.button("Copy all").on_hover_text("One line each, with time and kind").clicked() {
                 ui.ctx().copy_text(pass.bench.notices().map(as_line).collect());
+            }
+            let newest = pass.bench.notices().next_back().map_or(*until, |notice| notice.number);
+            let newer = newest.saturating_sub(*until);
+            if newer > 0 && ui.button(format!("Show {newer} newer")).clicked() {
+                *until = newest;
             }
         });
     });
     ScrollArea::vertical().max_height(theme::NOTICES_HEIGHT).show(ui, |ui| {
-        for notice in pass.bench.notices().rev() {
+        for notice in pass.bench.notices().rev().skip_while(|notice| notice.number > *until) {
             entry(ui, notice, pass.recordings);
         }
     });

@@ -111,10 +111,15 @@ impl Behavior<Pane> for Tabs<'_, '_> {
                 self.wishes.push(Wish::Window(pane));
             }
         }
-        for (pane, name) in [(Pane::Traffic, "Traffic"), (Pane::Trends, "Trends"), (Pane::Diagnosis, "Diagnosis")] {
+        let offered = [
+            (Pane::Traffic, "Traffic", "Every frame of the line, explained"),
+            (Pane::Trends, "Trends", "Plots of everything that is polled"),
+            (Pane::Diagnosis, "Diagnosis", "What is wrong with the line, and what to do about it"),
+        ];
+        for (pane, name, means) in offered {
             // Its room stays, so that the other does not move under the pointer.
             let open = tiles.find_pane(&pane).is_some();
-            if ui.add_visible(!open, egui::Button::new(name)).clicked() {
+            if ui.add_visible(!open, egui::Button::new(name)).on_hover_text(means).clicked() {
                 self.wishes.push(Wish::Open(pane));
             }
         }

@@ -1,26 +1,24 @@
 //! The tabs in the middle of the window: the dashboard, modules and the traffic, side by side or in windows of their
 //! own.
 
-use std::collections::{BTreeMap, HashSet};
+mod views;
+mod windows;
 
-use eframe::egui::{self, CentralPanel, Id, Panel, Ui, ViewportBuilder, ViewportClass, ViewportCommand, ViewportId};
+use std::collections::HashSet;
+
+use eframe::egui::{self, Id, Ui, ViewportId};
 use egui_tiles::{ContainerKind, Tile, TileId, Tree};
 use serde::{Deserialize, Serialize};
 
+pub(super) use views::{Views, title};
+
 use super::app::Pass;
-use super::commands;
-use super::dashboard::Dashboard;
-use super::diagnosis::DiagnosisView;
 use super::dialogs::Dialogs;
-use super::help::{self, HelpView, about::AboutBox};
-use super::module_view::ModuleView;
+use super::help;
 use super::pane_tabs::Tabs;
-use super::traffic::TrafficView;
-use super::trends::TrendView;
-use super::trends::{self, Source};
-use super::{theme, widgets, words};
-use crate::bench::{Action, Bench, RecordingId};
+use crate::bench::RecordingId;
 use crate::bus::Target;
+use windows::{elsewhere, viewport_id};
 
 /// What a tab shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -45,19 +43,6 @@ struct Layout {
     windows: Vec<Pane>,
     #[serde(default)]
     active: Option<Pane>,
-}
-
-/// What the contents of the panes remember between frames.
-#[derive(Default)]
-pub(super) struct Views {
-    modules: BTreeMap<Target, ModuleView>,
-    traffic: TrafficView,
-    trends: TrendView,
-    diagnosis: DiagnosisView,
-    help: HelpView,
-    pub about: AboutBox,
-    recordings: BTreeMap<RecordingId, TrendView>,
-    dashboard: Dashboard,
 }
 
 pub struct Panes {
@@ -359,141 +344,4 @@ impl Panes {
             self.active = seen.first().or(self.windows.first()).copied().unwrap_or(Pane::Dashboard);
         }
     }
-
-    fn show_windows(
-        &mut self,
-        ctx: &egui::Context,
-        pass: &mut Pass<'_>,
-        dialogs: &mut Dialogs,
-        wishes: &mut Vec<Wish>,
-    ) {
-        if let Some(window) = self.to_front.take() {
-            ctx.send_viewport_cmd_to(window, ViewportCommand::Focus);
-        }
-        let Self { windows, views, active, in_front, .. } = self;
-        let before = in_front.take();
-        for pane in windows.iter().copied() {
-            let name = title(pass.bench, pane);
-            let builder = ViewportBuilder::default()
-                .with_title(format!("{name} – dcon-bench"))
-                .with_inner_size(theme::WINDOW_OWN)
-                .with_min_inner_size(theme::WINDOW_LEAST);
-            ctx.show_viewport_immediate(viewport_id(pane), builder, |ui, class| {
-                let pressed = ui.rect_contains_pointer(ui.max_rect()) && ui.input(|input| input.pointer.any_pressed());
-                let own = class != ViewportClass::EmbeddedWindow;
-                if own && ui.input(|input| input.viewport().focused == Some(true)) {
-                    *in_front = Some(pane);
-                }
-                if pressed || (*in_front == Some(pane) && before != Some(pane)) {
-                    *active = pane;
-                }
-                if own {
-                    commands::take_typed(ui.ctx(), pass.commands);
-                }
-                let closed = own && ui.input(|input| input.viewport().close_requested());
-                if back_button(ui, &name) || closed {
-                    wishes.push(Wish::Tab(pane));
-                }
-                let frame = theme::ground_frame(theme::palette(ui));
-                CentralPanel::default().frame(frame).show(ui, |ui| views.show(ui, pane, pass, dialogs, wishes));
-            });
-        }
-    }
-}
-
-/// The row above the contents of a window of its own.
-fn back_button(ui: &mut Ui, name: &str) -> bool {
-    let frame = theme::bar_frame(theme::palette(ui));
-    let row = Panel::top("window row").frame(frame).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            widgets::quiet(ui, name);
-            let button = |ui: &mut Ui| ui.button("Back as a tab").clicked();
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), button).inner
-        })
-    });
-    row.inner.inner
-}
-
-/// In the middle of the window while every pane has a window of its own.
-fn elsewhere(ui: &mut Ui, wishes: &mut Vec<Wish>) {
-    let palette = theme::palette(ui);
-    theme::ground_frame(palette).show(ui, |ui| {
-        let lines = ["Close their windows to bring them back as tabs."];
-        widgets::empty_state(ui, palette, "All tabs are in windows of their own", &lines);
-        if ui.button("Bring the dashboard back").clicked() {
-            wishes.push(Wish::Tab(Pane::Dashboard));
-        }
-    });
-}
-
-fn viewport_id(pane: Pane) -> ViewportId {
-    ViewportId::from_hash_of(pane_key(pane))
-}
-
-fn pane_key(pane: Pane) -> String {
-    format!("{pane:?}")
-}
-
-/// What stands on the tab.
-pub(super) fn title(bench: &Bench, pane: Pane) -> String {
-    match pane {
-        Pane::Dashboard => "Dashboard".to_owned(),
-        Pane::Traffic => "Traffic".to_owned(),
-        Pane::Trends => "Trends".to_owned(),
-        Pane::Diagnosis => "Diagnosis".to_owned(),
-        Pane::Help => "Help".to_owned(),
-        Pane::Recording(id) => {
-            let name = bench.opened_recording(id).and_then(|viewer| viewer.path().file_stem());
-            name.map_or_else(|| "Recording".to_owned(), |name| name.to_string_lossy().into_owned())
-        }
-        Pane::Module(target) => {
-            let label = bench.module(&target).map_or("Module", |module| module.label());
-            format!("{label} @{}", target.address)
-        }
-    }
-}
-
-impl Views {
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        pane: Pane,
-        pass: &mut Pass<'_>,
-        dialogs: &mut Dialogs,
-        wishes: &mut Vec<Wish>,
-    ) {
-        match pane {
-            Pane::Dashboard => self.dashboard.show(ui, pass),
-            Pane::Traffic => self.traffic.show(ui, pass),
-            Pane::Trends => self.trends.show(ui, &Source::live(pass.bench), pass),
-            Pane::Diagnosis => self.diagnosis.show(ui, pass),
-            Pane::Help => self.help.show(ui, pass, wishes),
-            Pane::Recording(id) => match Source::recording(pass.bench, id) {
-                Ok(source) => self.recordings.entry(id).or_default().show(ui, &source, pass),
-                Err(lines) => trends::not_there(ui, &lines),
-            },
-            Pane::Module(target) => match pass.bench.module(&target) {
-                Some(module) => self.modules.entry(target).or_default().show(ui, module, pass, dialogs),
-                None => absent(ui, target, pass, wishes),
-            },
-        }
-    }
-}
-
-/// A module that was open when the program was used last, and is not found yet.
-fn absent(ui: &mut Ui, target: Target, pass: &mut Pass<'_>, wishes: &mut Vec<Wish>) {
-    let palette = theme::palette(ui);
-    let place = format!("Address {}, {}", words::address(target.address), words::spoken(&target));
-    let lines = [place.as_str(), "It shows here as soon as it is found: by a scan, or by asking there."];
-    widgets::empty_state(ui, palette, "Not found on this line yet", &lines);
-    ui.horizontal(|ui| {
-        let obstacle = pass.bench.line().obstacle();
-        let ask = ui.add_enabled(obstacle.is_none(), egui::Button::new("Ask there"));
-        if ask.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
-            pass.actions.push(Action::LookFor(target));
-        }
-        if ui.button("Close").clicked() {
-            wishes.push(Wish::Close(Pane::Module(target)));
-        }
-    });
 }

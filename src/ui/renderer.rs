@@ -114,7 +114,7 @@ fn ended(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Lost(reason)) => {
-            eprintln!("The display went away ({reason}) – start again when it is back");
+            tell(&format!("The display went away ({reason}) – start again when it is back"));
             ExitCode::FAILURE
         }
         Err(failure) => could_not_be_shown(failure.reason()),
@@ -122,8 +122,24 @@ fn ended(outcome: Result<(), Failure>) -> ExitCode {
 }
 
 fn could_not_be_shown(reason: &str) -> ExitCode {
-    eprintln!("The window could not be shown ({reason}) – use the command line instead, see {NAME} --help");
+    tell(&format!("The window could not be shown ({reason}) – use the command line instead, see {NAME} --help"));
     ExitCode::FAILURE
+}
+
+/// Says why there is no window.
+fn tell(text: &str) {
+    eprintln!("{text}");
+    #[cfg(windows)]
+    if nobody_reads_errors() {
+        rfd::MessageDialog::new().set_level(rfd::MessageLevel::Error).set_title(NAME).set_description(text).show();
+    }
+}
+
+/// The program was started from the desktop, or has let go of its parent's console (`console::leave`): only a file or a
+/// pipe is left, and whoever reads that cannot dismiss a box.
+#[cfg(windows)]
+fn nobody_reads_errors() -> bool {
+    std::os::windows::io::AsRawHandle::as_raw_handle(&io::stderr()).is_null()
 }
 
 /// Runs `show`. What panics before the first picture is a failure of it, and is not told as a panic; later ones go on.

@@ -138,7 +138,7 @@ impl Saving {
             let name = self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy();
             ui.label(format!("Writing {name}"));
             widgets::progress(ui, self.contents.part(), "Writing");
-            ui.button("Stop").clicked()
+            ui.button("Stop").on_hover_text("The file is not written").clicked()
         })
         .inner
     }

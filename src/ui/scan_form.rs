@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use eframe::egui::{self, Align, DragValue, RichText, TextEdit, Ui};
+use eframe::egui::{self, Align, DragValue, RichText, Sense, TextEdit, Ui, vec2};
 
 use super::app::Pass;
 use super::connect;
@@ -80,7 +80,8 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
             window(ui, &mut form.plan.window);
         }
         ui.add_space(theme::GAP);
-        ui.checkbox(&mut form.plan.stop_at_first, "Stop at the first");
+        let first = ui.checkbox(&mut form.plan.stop_at_first, "Stop at the first");
+        first.on_hover_text("The scan ends as soon as one module has answered");
     });
     if !over_tcp {
         ui.horizontal(|ui| speeds_and_formats(ui, &mut form.plan));
@@ -89,46 +90,58 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm) {
     ui.horizontal(|ui| conclusion(ui, pass, form, over_tcp));
 }
 
-/// The name of a row; all rows begin at the same place.
-fn row_name(ui: &mut Ui, name: &str) {
+/// The name of a row and what it means; all rows begin at the same place.
+fn row_name(ui: &mut Ui, name: &str, means: &str) {
     let colour = theme::palette(ui).quiet;
-    widgets::fixed_coloured(ui, theme::ROW_NAME, Align::Min, name, colour);
+    widgets::fixed_coloured(ui, theme::ROW_NAME, Align::Min, name, colour).on_hover_text(means);
 }
 
+const ADDRESSES: &str = "Numbers and ranges: 1,160-191 or A0h-BFh";
+const SPEEDS: &str = "Asks at this speed; each one takes its time for every address";
+const FORMATS: &str = "Data bits, parity and stop bits";
+const PROTOCOLS: &str = "Asks in this protocol; a module answers in the one that it is set to";
+const CHECKSUMS: &str = "A DCON module answers only if the checksum is there, or left out, as it is set";
+
 fn addresses(ui: &mut Ui, form: &mut ScanForm) {
-    row_name(ui, "Addresses");
+    row_name(ui, "Addresses", ADDRESSES);
     let response = ui.add(TextEdit::singleline(&mut form.addresses).desired_width(theme::ADDRESSES_WIDTH));
-    let response = response.on_hover_text("Numbers and ranges: 1,160-191 or A0h-BFh");
+    let response = response.on_hover_text(ADDRESSES);
     widgets::name_field(&response, "Addresses", &form.addresses);
 }
 
 fn speeds_and_formats(ui: &mut Ui, plan: &mut ScanPlan) {
-    row_name(ui, "Speeds");
-    chips(ui, "Speed", &BaudRate::ALL, &mut plan.baud_rates, |rate| rate.to_string());
+    row_name(ui, "Speeds", SPEEDS);
+    chips(ui, ("Speed", SPEEDS), &BaudRate::ALL, &mut plan.baud_rates, |rate| rate.to_string());
     ui.add_space(theme::GAP);
-    widgets::quiet(ui, "Formats");
-    chips(ui, "Format", &DataFormat::ALL, &mut plan.data_formats, |format| format.label().to_owned());
+    widgets::quiet(ui, "Formats").on_hover_text(FORMATS);
+    chips(ui, ("Format", FORMATS), &DataFormat::ALL, &mut plan.data_formats, |format| format.label().to_owned());
 }
 
 fn languages(ui: &mut Ui, plan: &mut ScanPlan) {
-    row_name(ui, "Protocols");
-    chips(ui, "Protocol", &Protocol::SERIAL, &mut plan.protocols, |protocol| protocol.label().to_owned());
+    row_name(ui, "Protocols", PROTOCOLS);
+    chips(ui, ("Protocol", PROTOCOLS), &Protocol::SERIAL, &mut plan.protocols, |protocol| protocol.label().to_owned());
     if plan.protocols.contains(&Protocol::Dcon) {
         ui.add_space(theme::GAP);
-        widgets::quiet(ui, "DCON checksum");
+        widgets::quiet(ui, "DCON checksum").on_hover_text(CHECKSUMS);
         let word = |with: &bool| if *with { "with".to_owned() } else { "without".to_owned() };
-        chips(ui, "Checksum", &[false, true], &mut plan.checksums, word);
+        chips(ui, ("Checksum", CHECKSUMS), &[false, true], &mut plan.checksums, word);
     }
 }
 
 /// Chips for `all`, of which those in `chosen` are on. They keep the order of `all`.
-fn chips<T: Copy + PartialEq>(ui: &mut Ui, kind: &str, all: &[T], chosen: &mut Vec<T>, word: impl Fn(&T) -> String) {
+fn chips<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    (kind, means): (&str, &str),
+    all: &[T],
+    chosen: &mut Vec<T>,
+    word: impl Fn(&T) -> String,
+) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
         for value in all {
             let on = chosen.contains(value);
             let word = word(value);
-            if widgets::chip(ui, on, &word, &format!("{kind} {word}")) {
+            if widgets::chip(ui, on, &word, &format!("{kind} {word}"), means) {
                 *chosen = all.iter().copied().filter(|other| chosen.contains(other) != (other == value)).collect();
             }
         }
@@ -145,11 +158,11 @@ fn window(ui: &mut Ui, window: &mut Duration) {
 }
 
 fn conclusion(ui: &mut Ui, pass: &mut Pass<'_>, form: &mut ScanForm, over_tcp: bool) {
-    row_name(ui, "");
+    ui.allocate_exact_size(vec2(theme::ROW_NAME, theme::CONTROL_HEIGHT), Sense::hover());
     let plan = form.plan(over_tcp);
     let scanning = pass.bench.is_scanning();
     let start = ui.add_enabled(plan.is_ok() && !scanning, egui::Button::new("Start scan"));
-    if ui.button("Close").clicked() {
+    if ui.button("Close").on_hover_text("What is chosen here is kept for the next time").clicked() {
         form.open = false;
     }
     match plan {

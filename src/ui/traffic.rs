@@ -6,6 +6,7 @@ use super::app::Pass;
 use super::saving::SaveAs;
 use super::tables::{
     self, Act, Asked, CaptureFile, Column, Follower, Form, FramesFile, Line, Scroll, Selection, Sheet, Table, Wanted,
+    meaning,
 };
 use super::{theme, widgets, words};
 use crate::bench::traffic::{FrameFilter, FrameRef};
@@ -81,12 +82,13 @@ impl TrafficView {
                 }
             });
             widgets::name_combo(&combo.response, "Direction", chosen);
+            combo.response.on_hover_text("Only frames to modules, or only those from them");
             self.module_choice(ui, bench);
-            if widgets::chip(ui, self.filter.only_errors, "Only errors", "Only errors") {
+            if widgets::chip(ui, self.filter.only_errors, "Only errors", "Only errors", meaning::ONLY_ERRORS) {
                 self.filter.only_errors = !self.filter.only_errors;
             }
             let clear = eframe::egui::Button::new("Clear filter");
-            if ui.add_enabled(!self.filter.is_empty(), clear).clicked() {
+            if ui.add_enabled(!self.filter.is_empty(), clear).on_hover_text("Shows all frames again").clicked() {
                 self.filter = FrameFilter::default();
             }
         });
@@ -112,6 +114,7 @@ impl TrafficView {
             }
         });
         widgets::name_combo(&combo.response, "Module", &chosen);
+        combo.response.on_hover_text("Only frames to this module and from it");
     }
 
     fn table(&mut self, ui: &mut Ui, bench: &Bench) -> Option<Act> {
@@ -173,13 +176,13 @@ fn columns(width: f32) -> [Column; 7] {
         + theme::STATE_COLUMN
         + 7.0 * theme::GAP;
     [
-        Column::new("Time", theme::TIME_COLUMN),
-        Column::new("Direction", theme::DIRECTION_COLUMN),
-        Column::number("Address", theme::ADDRESS_COLUMN),
-        Column::new("Bytes", theme::bytes_width(width - fixed)),
-        Column::rest("Meaning"),
-        Column::number("Took", theme::TOOK_COLUMN),
-        Column::new("State", theme::STATE_COLUMN),
+        Column::new("Time", meaning::TIME, theme::TIME_COLUMN),
+        Column::new("Direction", meaning::DIRECTION, theme::DIRECTION_COLUMN),
+        Column::number("Address", meaning::ADDRESS, theme::ADDRESS_COLUMN),
+        Column::new("Bytes", meaning::BYTES, theme::bytes_width(width - fixed)),
+        Column::rest("Meaning", meaning::MEANING),
+        Column::number("Took", meaning::TOOK, theme::TOOK_COLUMN),
+        Column::new("State", meaning::STATE, theme::STATE_COLUMN),
     ]
 }
 

@@ -275,11 +275,11 @@ pub fn menu_entry(ui: &mut Ui, enabled: bool, title: &str, explanation: &str) ->
     response
 }
 
-/// A choice of several that stand side by side; true if it was switched.
-pub fn chip(ui: &mut Ui, on: bool, text: &str, name: &str) -> bool {
+/// A choice of several that stand side by side, and what it means; true if it was switched.
+pub fn chip(ui: &mut Ui, on: bool, text: &str, name: &str, means: &str) -> bool {
     let response = ui.add(egui::Button::selectable(on, text).frame_when_inactive(true));
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, response.enabled(), on, name));
-    response.clicked()
+    response.on_hover_text(means).clicked()
 }
 
 /// A bar that shows how far something is.

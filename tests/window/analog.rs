@@ -45,12 +45,6 @@ fn enter(window: &mut Window, label: &str, text: &str) {
     window.step();
 }
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press(key);
-    window.step();
-    window.step();
-}
-
 fn field(window: &Window, label: &str) -> String {
     window.get_by_role_and_label(Role::TextInput, label).value().unwrap_or_default()
 }
@@ -66,11 +60,11 @@ fn an_offset_is_typed_and_written_with_enter() {
         let (sim, mut window) = opened(protocol, 21.0);
         enter(&mut window, "Temperature offset", "-1.5");
         assert!(shows(&window, "not written, was 0.00 °C"), "{protocol}");
-        press(&mut window, Key::Enter);
+        press(&mut window, Modifiers::NONE, Key::Enter);
         until_set(&mut window, &sim, 1, "temperature_offset", "-1.50");
         until(&mut window, "it counts", |window| reading(window, "Temperature").as_deref() == Some("19.50 °C"));
         enter(&mut window, "Humidity offset", "2.25");
-        press(&mut window, Key::Enter);
+        press(&mut window, Modifiers::NONE, Key::Enter);
         until_set(&mut window, &sim, 1, "humidity_offset", "2.25");
         until(&mut window, "nothing is left to write", |window| shown(window).edits.is_empty());
     }
@@ -80,11 +74,11 @@ fn an_offset_is_typed_and_written_with_enter() {
 fn a_reference_gives_the_new_offset_in_celsius() {
     let (sim, mut window) = opened("modbus_rtu", 24.99);
     enter(&mut window, "Temperature offset", "0.2");
-    press(&mut window, Key::Enter);
+    press(&mut window, Modifiers::NONE, Key::Enter);
     until(&mut window, "the offset counts", |window| reading(window, "Temperature").as_deref() == Some("25.19 °C"));
     enter(&mut window, "Reference for Temperature offset", "25.3");
     until(&mut window, "the sum", |window| shows(window, "0.20 + (25.30 − 25.19) = 0.31 °C"));
-    press(&mut window, Key::Enter);
+    press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(field(&window, "Temperature offset"), "0.31");
     assert_eq!(sim.setting(1, "temperature_offset").unwrap(), "0.20", "it is staged, not written");
     click(&mut window, Role::Button, "Write Temperature offset");
@@ -111,7 +105,7 @@ fn a_reference_out_of_reach_is_limited_to_the_range_and_says_so() {
     until(&mut window, "the humidity", |window| reading(window, "Relative humidity").as_deref() == Some("40.00 %"));
     enter(&mut window, "Reference for Humidity offset", "150");
     until(&mut window, "the limit", |window| shows(window, "0.00 + (150.00 − 40.00) = 110.00 %, limited to 100.00"));
-    press(&mut window, Key::Enter);
+    press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(field(&window, "Humidity offset"), "100.00");
 }
 
@@ -123,10 +117,10 @@ fn a_reading_that_is_old_or_a_reference_that_is_no_number_gives_no_offset() {
     sim.set_dead(1, true);
     enter(&mut window, "Reference for Temperature offset", "25");
     until(&mut window, "the refusal", |window| shows(window, "the reading is "));
-    press(&mut window, Key::Enter);
+    press(&mut window, Modifiers::NONE, Key::Enter);
     assert!(shown(&window).edits.is_empty());
     enter(&mut window, "Reference for Temperature offset", "26");
-    press(&mut window, Key::Escape);
+    press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(field(&window, "Reference for Temperature offset"), "");
 }
 
@@ -135,13 +129,13 @@ fn a_limit_out_of_range_is_not_sent_and_escape_takes_it_back() {
     let (sim, mut window) = opened("modbus_rtu", 20.0);
     enter(&mut window, "High alarm limit", "1000");
     assert!(shows(&window, "use 0.00 to 999.99 °C"));
-    press(&mut window, Key::Enter);
+    press(&mut window, Modifiers::NONE, Key::Enter);
     let before = sim.requests();
     until(&mut window, "more polls", |_| sim.requests() > before + 3);
     assert_eq!(sim.setting(1, "alarm_limit").as_deref(), Some("65.00"));
     enter(&mut window, "High alarm limit", "70");
     assert_eq!(shown(&window).edits.len(), 1);
-    press(&mut window, Key::Escape);
+    press(&mut window, Modifiers::NONE, Key::Escape);
     assert!(shown(&window).edits.is_empty());
     assert_eq!(field(&window, "High alarm limit"), "65.00");
 }
@@ -217,7 +211,7 @@ fn raise_and_clear(window: &mut Window, sim: &Sim, address: u8) {
     window.set_size(vec2(1280.0, 1200.0));
     until(window, "the limit was read", |window| shown(window).known("alarm_limit").is_some());
     enter(window, "High alarm limit", "30");
-    press(window, Key::Enter);
+    press(window, Modifiers::NONE, Key::Enter);
     until_set(window, sim, address, "alarm_limit", "30.00");
     click(window, Role::ComboBox, "Alarm mode");
     click(window, Role::Button, "Latched");
@@ -239,7 +233,7 @@ fn a_module_that_falls_silent_refuses_the_write_and_the_edit_stays() {
         let (sim, mut window) = opened(protocol, 20.0);
         enter(&mut window, "Temperature offset", "1.5");
         sim.set_dead(1, true);
-        press(&mut window, Key::Enter);
+        press(&mut window, Modifiers::NONE, Key::Enter);
         until(
             &mut window,
             "the refusal",

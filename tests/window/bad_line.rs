@@ -9,8 +9,6 @@ use dcon_bench::module::Catalogue;
 use dcon_bench::sim::{FaultKind, Faults, Pace, Sim};
 use dcon_bench::ui::{App, Settings, Start};
 use eframe::egui::accesskit::Role;
-use eframe::egui::vec2;
-use egui_kittest::Harness;
 
 use crate::harness::*;
 
@@ -163,11 +161,9 @@ fn a_flood_of_events_is_taken_in_over_several_frames() {
     /// Far more than a line brings between two frames, and little enough to draw in time.
     const MOST_A_FRAME: u64 = 10_000;
     let (bus, _commands, events) = Bus::detached();
-    let mut window = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let (catalogue, _) = Catalogue::built_in();
-        let bench = Bench::new(bus, catalogue.into(), &[]);
-        let start = Start { simulated: LineAddress::demo(), demo: false, settings: Settings::default() };
-        App::new(&creation.egui_ctx, bench, start)
+    let mut window = window_of(move |ctx| {
+        let bench = Bench::new(bus, Catalogue::built_in().0.into(), &[]);
+        App::new(ctx, bench, Start { simulated: LineAddress::demo(), demo: false, settings: Settings::default() })
     });
     let flood = std::thread::spawn(move || {
         for transactions in 1..=FLOOD {

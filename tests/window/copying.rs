@@ -1,6 +1,7 @@
 //! Tables are copied for a spreadsheet, wherever they stand.
 
 use dcon_bench::sim::Pace;
+use dcon_bench::ui::{RecentLine, Settings};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2};
 use egui_kittest::kittest::Queryable;
@@ -84,6 +85,55 @@ fn the_row_under_the_pointer_is_copied_with_the_keys() {
     window.step();
     let rows = copied(&mut window);
     assert_eq!((rows.len(), rows[1][0].as_str()), (2, "Response delay"));
+}
+
+/// Every kind of table by what stands in one of its rows: with how it is reached, its first heading, and least rows.
+#[test]
+fn every_table_copies_the_row_that_is_clicked_or_all_of_it() {
+    type Reach = fn(&mut Window);
+    let diagnosis: Reach = |window| click(window, Role::Button, "Diagnosis");
+    let reference: Reach = |window| {
+        click(window, Role::Tab, "Commands");
+        click(window, Role::CheckBox, "Reference page");
+    };
+    let modbus: Reach = |window| {
+        click(window, Role::Tab, "Commands");
+        click(window, Role::CheckBox, "Modbus page");
+    };
+    let help: Reach = |window| {
+        press(window, Modifiers::NONE, Key::F1);
+        click(window, Role::ListItem, "PIR-234: registers");
+    };
+    let plan: Reach = |window| {
+        press(window, Modifiers::COMMAND, Key::D);
+        click(window, Role::Button, "Poll plan…");
+    };
+    let lines: Reach = |window| click(window, Role::ComboBox, "Line");
+    let tables: [(Reach, &str, &str, &str, usize); 7] = [
+        (diagnosis, "modbus_rtu", "Diagnosis of PIR-234 @1", "Place", 2),
+        (diagnosis, "modbus_rtu", "Never answered", "Count", 5),
+        (reference, "dcon", "Read or set address, baud rate", "Command", 20),
+        (modbus, "modbus_rtu", "coil 1  (wire 0)", "Kind", 20),
+        (help, "modbus_rtu", "DO0", "Number", 20),
+        (plan, "modbus_rtu", "PIR-234 @1", "Module", 1),
+        (lines, "modbus_rtu", "Recent COM7", "Line", 2),
+    ];
+    for (reach, protocol, row, heading, least) in tables {
+        let recent_ports = ["COM3", "COM7"].map(RecentLine::from).into();
+        let sim = sim(&[&format!("pir-234@1:{protocol}:9600")], Pace::Skip);
+        let mut window = window_with(&sim, false, Settings { recent_ports, ..simulated() });
+        open(&mut window, "PIR-234, address 1");
+        reach(&mut window);
+        until(&mut window, row, |window| shows(window, row));
+        (0..3).for_each(|_| window.step());
+        for (entry, least) in [("Copy row", 1), ("Copy table", least)] {
+            let at = window.query_all_by_label_contains(row).last().unwrap().rect().center();
+            choose(&mut window, at, entry);
+            let rows = copied(&mut window);
+            assert_eq!(rows[0][0], heading, "{row}");
+            assert!(rows.len() > least && (entry == "Copy table" || rows.len() == 2), "{row}: {rows:?}");
+        }
+    }
 }
 
 fn window_row(window: &Window, start: &str) -> Pos2 {

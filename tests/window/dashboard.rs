@@ -41,13 +41,6 @@ fn target(window: &Window, address: u8) -> Target {
     modules.iter().find(|module| module.target.address == address).unwrap().target
 }
 
-#[track_caller]
-fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
-    window.key_press_modifiers(modifiers, key);
-    window.step();
-    window.step();
-}
-
 #[test]
 fn the_table_shows_what_the_modules_have() {
     let sim = three();

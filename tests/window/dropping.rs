@@ -1,57 +1,21 @@
 //! Files that are dragged onto the window.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
 use dcon_bench::bench::Presence;
-use dcon_bench::bus::LineAddress;
 use dcon_bench::mimic::{Mimic, MimicSpec};
 use dcon_bench::module::Catalogue;
 use dcon_bench::sim::{Pace, Sim};
-use dcon_bench::ui::{App, LineChoice, Settings, Start};
-use eframe::egui::{DroppedFile, HoveredFile, vec2};
-use egui_kittest::Harness;
+use dcon_bench::ui::App;
+use eframe::egui::HoveredFile;
 
 use crate::harness::*;
 
 const SMALL: &str = include_str!("../vectors/tm-1.toml");
 
-/// A file as the system says that it was dropped.
-#[derive(Debug)]
-struct Dropped(PathBuf);
-
-impl DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        Err("nobody asks".to_owned())
-    }
-}
-
 fn window_with_definitions(sim: &Sim, folder: &Path) -> Window {
-    let simulated = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
-    let settings = Settings { line: LineChoice::Simulated, ..Settings::default() };
-    let folder = folder.to_owned();
-    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let ctx = creation.egui_ctx.clone();
-        let bench = bench(&ctx).with_definitions_in(folder);
-        App::new(&ctx, bench, Start { simulated, demo: false, settings })
-    })
-}
-
-fn drop_files(window: &mut Window, paths: &[PathBuf]) {
-    for path in paths {
-        window.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
-    }
-    window.step();
-    window.input_mut().dropped_files.clear();
-    window.step();
-}
-
-fn told(window: &Window, text: &str) -> bool {
-    window.state().bench().notices().any(|notice| notice.text.contains(text))
+    let (start, folder) = (start(sim, false, simulated()), folder.to_owned());
+    window_of(move |ctx| App::new(ctx, bench(ctx).with_definitions_in(folder), start))
 }
 
 #[test]

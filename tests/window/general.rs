@@ -1,6 +1,6 @@
 //! The window as a whole: line, scan, list, readings, plot, notices.
 
-use dcon_bench::bench::{Action, LineState, Presence, ScanState};
+use dcon_bench::bench::{Action, LineState, Presence, ScanState, Severity};
 use dcon_bench::module::Catalogue;
 use dcon_bench::sim::{Pace, TcpServer};
 use dcon_bench::ui::{LineChoice, RecentLine, Settings};
@@ -71,6 +71,26 @@ fn a_port_that_cannot_be_opened_is_explained_until_acknowledged() {
     click(&mut window, Role::Button, "Dismiss");
     assert!(window.query_by_label("Dismiss").is_none());
     assert!(shows(&window, "Notices"));
+}
+
+#[test]
+fn a_newer_notice_moves_none_in_the_open_list_until_it_is_asked_for() {
+    let mut window = window(&sim(&[], Pace::Skip));
+    let notify = |window: &mut Window, text: &str| {
+        window.state_mut().apply(Action::Notify(Severity::Info, text.to_owned()));
+        (0..3).for_each(|_| window.step());
+    };
+    notify(&mut window, "the first");
+    notify(&mut window, "the second");
+    click(&mut window, Role::Button, "Notices");
+    window.step();
+    let place = |window: &Window| window.get_by_label("the first").rect();
+    let before = place(&window);
+    notify(&mut window, "the third");
+    assert_eq!(place(&window), before);
+    assert!(window.query_by_label("the third").is_none());
+    click(&mut window, Role::Button, "Show 1 newer");
+    assert!(window.query_by_label("the third").is_some());
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The window on a simulated line, and how the tests drive it by role and label.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,7 @@ use dcon_bench::module::Catalogue;
 use dcon_bench::sim::{ModuleSpec, Pace, Sim};
 use dcon_bench::ui::{App, LineChoice, Settings, Start};
 use eframe::egui::accesskit::Role;
-use eframe::egui::{self, vec2};
+use eframe::egui::{self, DroppedFile, Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
@@ -33,17 +34,30 @@ pub fn bench(ctx: &egui::Context) -> Bench {
     Bench::new(bus, catalogue, &faulty)
 }
 
-pub fn window_with(sim: &Sim, demo: bool, settings: Settings) -> Window {
+/// A window of the usual size.
+pub fn window_of(app: impl FnOnce(&egui::Context) -> App + 'static) -> Window {
+    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| app(&creation.egui_ctx))
+}
+
+/// How a window on the line of `sim` starts.
+pub fn start(sim: &Sim, demo: bool, settings: Settings) -> Start {
     let simulated = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
-    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let ctx = creation.egui_ctx.clone();
-        App::new(&ctx, bench(&ctx), Start { simulated, demo, settings })
-    })
+    Start { simulated, demo, settings }
+}
+
+pub fn window_with(sim: &Sim, demo: bool, settings: Settings) -> Window {
+    let start = start(sim, demo, settings);
+    window_of(move |ctx| App::new(ctx, bench(ctx), start))
+}
+
+/// Settings that stand at the simulated line.
+pub fn simulated() -> Settings {
+    Settings { line: LineChoice::Simulated, ..Settings::default() }
 }
 
 /// A window that stands at the simulated line.
 pub fn window(sim: &Sim) -> Window {
-    window_with(sim, false, Settings { line: LineChoice::Simulated, ..Settings::default() })
+    window_with(sim, false, simulated())
 }
 
 /// Draws frame after frame until `reached`.
@@ -65,6 +79,41 @@ pub fn click(window: &mut Window, role: Role, label: &str) {
     until(window, label, |window| window.query_by_role_and_label(role, label).is_some());
     window.get_by_role_and_label(role, label).click();
     window.step();
+    window.step();
+}
+
+#[track_caller]
+pub fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.step();
+    window.step();
+}
+
+/// Whether a notice says so.
+pub fn told(window: &Window, text: &str) -> bool {
+    window.state().bench().notices().any(|notice| notice.text.contains(text))
+}
+
+/// A file as the system says that it was dropped.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("nobody asks".to_owned())
+    }
+}
+
+pub fn drop_files(window: &mut Window, paths: &[PathBuf]) {
+    for path in paths {
+        window.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
+    }
+    window.step();
+    window.input_mut().dropped_files.clear();
     window.step();
 }
 

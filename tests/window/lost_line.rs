@@ -7,8 +7,6 @@ use dcon_bench::protocol::LineSettings;
 use dcon_bench::sim::{FaultKind, Faults, Pace};
 use dcon_bench::ui::{App, LineChoice, RecentLine, Settings, Start};
 use eframe::egui::accesskit::Role;
-use eframe::egui::vec2;
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use jiff::Timestamp;
 
@@ -118,20 +116,20 @@ fn the_trend_has_a_gap_where_the_line_was_lost() {
 }
 
 /// A window whose bus is played by the test, on an open port.
-fn on_port(name: &str) -> (Harness<'static, App>, impl Fn(&mut Harness<'static, App>, BusEvent)) {
+fn on_port(name: &str) -> (Window, impl Fn(&mut Window, BusEvent)) {
     let (bus, commands, _events) = Bus::detached();
     let settings = Settings { line: LineChoice::Port(name.to_owned()), ..Settings::default() };
-    let mut window = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
+    let mut window = window_of(move |ctx| {
         let (catalogue, _) = Catalogue::built_in();
         // What is said and what is over does not hang on the clock, which may stand or go back.
         let bench = Bench::new(bus, catalogue.into(), &[]).with_clock(|| Timestamp::UNIX_EPOCH);
-        App::new(&creation.egui_ctx, bench, Start { simulated: LineAddress::demo(), demo: false, settings })
+        App::new(ctx, bench, Start { simulated: LineAddress::demo(), demo: false, settings })
     });
     let line = LineAddress::Serial { port: name.to_owned() };
     window.state_mut().apply(Action::Connect { line, settings: LineSettings::default() });
     window.state_mut().take(BusEvent::Opened { id: RequestId(1), line: name.to_owned() });
     window.step();
-    let tell = move |window: &mut Harness<'static, App>, event| {
+    let tell = move |window: &mut Window, event| {
         let _held_open = &commands;
         window.state_mut().take(event);
         window.step();

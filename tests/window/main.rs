@@ -9,6 +9,7 @@ mod dashboard;
 mod diagnosis;
 mod dropping;
 mod events;
+mod explained;
 mod faults;
 mod form;
 mod general;

@@ -20,13 +20,6 @@ fn two() -> Sim {
     sim(&["pir-234@1:modbus_rtu:9600", "pir-234@160:modbus_rtu:9600"], Pace::Skip)
 }
 
-#[track_caller]
-fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
-    window.key_press_modifiers(modifiers, key);
-    window.step();
-    window.step();
-}
-
 fn has_tab(window: &Window, name: &str) -> bool {
     window.query_by_role_and_label(Role::Button, name).is_some()
 }

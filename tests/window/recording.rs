@@ -1,15 +1,12 @@
 //! Recording in the window: it begins by itself, is stopped, opened again and taken away.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use dcon_bench::bench::Action;
-use dcon_bench::bus::LineAddress;
 use dcon_bench::sim::{Pace, Sim};
-use dcon_bench::ui::{App, LineChoice, Settings, Start};
+use dcon_bench::ui::{App, Settings};
 use eframe::egui::accesskit::Role;
-use eframe::egui::{DroppedFile, Key, Modifiers, vec2};
-use egui_kittest::Harness;
+use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tempfile::TempDir;
 
@@ -20,17 +17,8 @@ use crate::traffic::{has_row, rows};
 const MODULE: &str = "pir-234@1:modbus_rtu:9600";
 
 fn recording_window(sim: &Sim, folder: &TempDir, settings: Settings) -> Window {
-    let simulated = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
-    let folder = folder.path().join("recordings");
-    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let ctx = creation.egui_ctx.clone();
-        let app = App::new(&ctx, bench(&ctx), Start { simulated, demo: false, settings });
-        app.without_system_dialogs().recording_in(Some(folder))
-    })
-}
-
-fn settings() -> Settings {
-    Settings { line: LineChoice::Simulated, ..Settings::default() }
+    let (start, folder) = (start(sim, false, settings), folder.path().join("recordings"));
+    window_of(move |ctx| App::new(ctx, bench(ctx), start).without_system_dialogs().recording_in(Some(folder)))
 }
 
 /// What the status bar says of the recording.
@@ -48,12 +36,6 @@ fn recorded(window: &mut Window) -> PathBuf {
     window.state().bench().recording().and_then(|status| status.file.clone()).unwrap()
 }
 
-fn press(window: &mut Window, key: Key, modifiers: Modifiers) {
-    window.key_press_modifiers(modifiers, key);
-    window.step();
-    window.step();
-}
-
 /// Writes into a field in place of what stands there.
 fn write_into(window: &mut Window, field: &str, text: &str) {
     until(window, field, |window| window.query_by_role_and_label(Role::TextInput, field).is_some());
@@ -66,10 +48,6 @@ fn write_into(window: &mut Window, field: &str, text: &str) {
     window.step();
 }
 
-fn told(window: &Window, text: &str) -> bool {
-    window.state().bench().notices().any(|notice| notice.text.contains(text))
-}
-
 fn files(folder: &Path) -> usize {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter(|entry| entry.path().extension().is_some_and(|ending| ending == "sqlite")).count()
@@ -78,7 +56,7 @@ fn files(folder: &Path) -> usize {
 #[test]
 fn recording_begins_with_the_first_poll_and_is_stopped_and_started_with_a_click() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     window.step();
     assert_eq!(status(&window), "not recording");
     let first = recorded(&mut window);
@@ -92,7 +70,7 @@ fn recording_begins_with_the_first_poll_and_is_stopped_and_started_with_a_click(
     assert!(window.state().bench().modules()[0].interval.is_some(), "polling goes on");
     (0..5).for_each(|_| window.step());
     assert_eq!(status(&window), "not recording", "it does not begin by itself again");
-    press(&mut window, Key::S, Modifiers::COMMAND | Modifiers::SHIFT);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     until(&mut window, "it goes on", |window| {
         window.state().bench().recording().is_some_and(|status| status.samples > 0)
     });
@@ -104,7 +82,7 @@ fn recording_begins_with_the_first_poll_and_is_stopped_and_started_with_a_click(
 fn nothing_is_recorded_by_itself_if_the_settings_say_so_or_the_window_was_not_told_where() {
     let folder = tempfile::tempdir().unwrap();
     let sim = sim(&[MODULE], Pace::Skip);
-    let off = Settings { record: false, ..settings() };
+    let off = Settings { record: false, ..simulated() };
     for mut window in [recording_window(&sim, &folder, off), window(&sim)] {
         open(&mut window, "PIR-234, address 1");
         until(&mut window, "it is polled", |window| reading(window, "Temperature").is_some());
@@ -116,7 +94,7 @@ fn nothing_is_recorded_by_itself_if_the_settings_say_so_or_the_window_was_not_to
 #[test]
 fn the_folder_and_what_is_kept_are_set_in_a_dialog_and_hold_for_a_new_file() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     recorded(&mut window);
     click(&mut window, Role::Button, "Recording");
     click(&mut window, Role::MenuItem, "Recording settings…");
@@ -135,9 +113,9 @@ fn the_folder_and_what_is_kept_are_set_in_a_dialog_and_hold_for_a_new_file() {
 #[test]
 fn a_recording_is_opened_by_its_path_and_closed_with_its_tab() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     let file = recorded(&mut window);
-    press(&mut window, Key::O, Modifiers::COMMAND);
+    press(&mut window, Modifiers::COMMAND, Key::O);
     write_into(&mut window, "Path", file.to_str().unwrap());
     click(&mut window, Role::Button, "Open");
     show_events(&mut window);
@@ -151,14 +129,14 @@ fn a_recording_is_opened_by_its_path_and_closed_with_its_tab() {
     eframe::App::on_exit(window.state_mut(), None);
     let layout = window.state().settings().layout.clone().unwrap();
     assert!(!layout.contains("Recording"), "{layout}");
-    press(&mut window, Key::W, Modifiers::COMMAND);
+    press(&mut window, Modifiers::COMMAND, Key::W);
     assert_eq!(window.state().bench().opened().count(), 0);
 }
 
 #[test]
 fn the_newest_recordings_are_a_click_away() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     let file = recorded(&mut window);
     let name = file.file_name().unwrap().to_str().unwrap().to_owned();
     click(&mut window, Role::Button, "Recording");
@@ -169,36 +147,43 @@ fn the_newest_recordings_are_a_click_away() {
 }
 
 #[test]
+fn nothing_in_the_menu_of_recordings_moves_when_the_newest_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
+    let name = recorded(&mut window).file_name().unwrap().to_str().unwrap().to_owned();
+    click(&mut window, Role::Button, "Recording");
+    // The popup finds its place in its second picture.
+    window.step();
+    let places = |window: &Window| {
+        let entries = window.query_all_by_role(Role::MenuItem);
+        entries.map(|entry| (entry.accesskit_node().label(), entry.rect())).collect::<Vec<_>>()
+    };
+    let before = places(&window);
+    assert!(before.len() >= 4, "{before:?}");
+    until(&mut window, "it is found", |window| window.query_by_role_and_label(Role::MenuItem, &name).is_some());
+    for _ in 0..3 {
+        let now = places(&window);
+        assert!(before.iter().all(|entry| now.contains(entry)), "{before:?} became {now:?}");
+        window.step();
+    }
+}
+
+#[test]
 fn what_is_no_recording_is_said_in_its_tab() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("letter.txt");
     std::fs::write(&path, "Dear engineer").unwrap();
-    let mut window = recording_window(&sim(&[], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[], Pace::Skip), &folder, simulated());
     window.state_mut().apply(Action::OpenRecording(path));
     until(&mut window, "the reason", |window| shows(window, "is not a recording of this program"));
-}
-
-/// A file as the system says that it was dropped.
-#[derive(Debug)]
-struct Dropped(PathBuf);
-
-impl DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|error| error.to_string())
-    }
 }
 
 #[test]
 fn a_recording_that_is_dropped_onto_the_window_is_opened() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     let file = recorded(&mut window);
-    window.input_mut().dropped_files.push(Arc::new(Dropped(file.clone())));
-    window.step();
+    drop_files(&mut window, std::slice::from_ref(&file));
     show_events(&mut window);
     until(&mut window, "its events", |window| has_row(window, &["Found at"]));
     assert_eq!(window.state().bench().opened().next().map(|(_, viewer)| viewer.path().to_owned()), Some(file));
@@ -208,7 +193,7 @@ fn a_recording_that_is_dropped_onto_the_window_is_opened() {
 fn without_a_folder_nothing_is_started_and_the_settings_are_offered() {
     let mut window = window(&sim(&[MODULE], Pace::Skip));
     open(&mut window, "PIR-234, address 1");
-    press(&mut window, Key::S, Modifiers::COMMAND | Modifiers::SHIFT);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     assert!(window.state().bench().recording().is_none());
     click(&mut window, Role::Button, "Menu");
     let entry = window.get_by_role_and_label(Role::MenuItem, "Start or stop recording");
@@ -222,7 +207,7 @@ fn a_folder_that_cannot_be_written_is_said_in_the_status_bar() {
     std::fs::write(&file, "").unwrap();
     let recording_folder = file.join("inside").display().to_string();
     let mut window =
-        recording_window(&sim(&[MODULE], Pace::Skip), &folder, Settings { recording_folder, ..settings() });
+        recording_window(&sim(&[MODULE], Pace::Skip), &folder, Settings { recording_folder, ..simulated() });
     open(&mut window, "PIR-234, address 1");
     until(&mut window, "it is said", |window| status(window).starts_with("not on disk"));
     assert!(told(&window, "waits in memory"));
@@ -231,7 +216,7 @@ fn a_folder_that_cannot_be_written_is_said_in_the_status_bar() {
 #[test]
 fn the_folder_of_recordings_is_shown_with_a_click() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     recorded(&mut window);
     click(&mut window, Role::Button, "Recording");
     click(&mut window, Role::MenuItem, "Open folder");
@@ -242,10 +227,10 @@ fn the_folder_of_recordings_is_shown_with_a_click() {
 #[test]
 fn readings_are_exported_from_the_trends_and_their_folder_is_offered() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     recorded(&mut window);
     show_trends(&mut window);
-    press(&mut window, Key::E, Modifiers::COMMAND | Modifiers::SHIFT);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     until(&mut window, "the dialog", |window| shows(window, "About "));
     window.get_by_label_contains("All (").click();
     window.step();
@@ -267,13 +252,13 @@ fn readings_are_exported_from_the_trends_and_their_folder_is_offered() {
 #[test]
 fn an_opened_recording_is_exported_with_what_is_on_the_disk_only() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     let file = recorded(&mut window);
     window.state_mut().apply(Action::StopRecording);
     window.state_mut().apply(Action::OpenRecording(file));
     show_events(&mut window);
     until(&mut window, "its events", |window| has_row(window, &["Found at"]));
-    press(&mut window, Key::E, Modifiers::COMMAND | Modifiers::SHIFT);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     window.get_by_label_contains("All (").click();
     click(&mut window, Role::RadioButton, "JSON Lines");
     click(&mut window, Role::RadioButton, "One row for each sample");
@@ -290,10 +275,10 @@ fn an_opened_recording_is_exported_with_what_is_on_the_disk_only() {
 #[test]
 fn a_wrong_time_is_said_before_anything_is_saved() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, settings());
+    let mut window = recording_window(&sim(&[MODULE], Pace::Skip), &folder, simulated());
     recorded(&mut window);
     show_trends(&mut window);
-    press(&mut window, Key::E, Modifiers::COMMAND | Modifiers::SHIFT);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     write_into(&mut window, "From", "yesterday");
     assert!(shows(&window, "\"yesterday\" is no time"));
     assert!(window.get_by_role_and_label(Role::Button, "Save…").accesskit_node().is_disabled());

@@ -8,10 +8,9 @@ use dcon_bench::bus::{Bus, BusEvent, Direction, Frame, LineAddress, Verdict};
 use dcon_bench::module::Catalogue;
 use dcon_bench::protocol::{LineSettings, Protocol, modbus};
 use dcon_bench::sim::{Pace, Sim};
-use dcon_bench::ui::{App, LineChoice, Settings, Start};
+use dcon_bench::ui::{App, Settings, Start};
+use eframe::egui::OutputCommand;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{OutputCommand, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use jiff::{SignedDuration, Timestamp};
 
@@ -19,23 +18,17 @@ use crate::harness::*;
 
 /// A window that asks for paths in a field.
 pub fn window_with_field(sim: &Sim) -> Window {
-    let simulated = LineAddress::Simulated { label: "Simulated line".to_owned(), sim: sim.clone() };
-    Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let ctx = creation.egui_ctx.clone();
-        let settings = Settings { line: LineChoice::Simulated, ..Settings::default() };
-        App::new(&ctx, bench(&ctx), Start { simulated, demo: false, settings }).without_system_dialogs()
-    })
+    let start = start(sim, false, simulated());
+    window_of(move |ctx| App::new(ctx, bench(ctx), start).without_system_dialogs())
 }
 
 /// A window whose bus is played by the test, with these frames in its log.
-fn window_of(frames: Vec<Frame>) -> (Window, std::sync::mpsc::SyncSender<BusEvent>) {
+fn played(frames: Vec<Frame>) -> (Window, std::sync::mpsc::SyncSender<BusEvent>) {
     let (bus, _commands, events) = Bus::detached();
     let mut bench = Bench::new(bus, Arc::new(Catalogue::built_in().0), &[]);
     frames.into_iter().for_each(|frame| bench.take(BusEvent::Traffic(frame)));
-    let window = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |creation| {
-        let start = Start { simulated: LineAddress::demo(), demo: false, settings: Settings::default() };
-        App::new(&creation.egui_ctx, bench, start).without_system_dialogs()
-    });
+    let start = Start { simulated: LineAddress::demo(), demo: false, settings: Settings::default() };
+    let window = window_of(move |ctx| App::new(ctx, bench, start).without_system_dialogs());
     (window, events)
 }
 
@@ -119,7 +112,7 @@ fn a_click_shows_the_fields_of_a_frame_and_copy_copies_it() {
         frame(3, b"!01PIR234\r", Protocol::Dcon, Verdict::Answer),
     ];
     let first = frame(0, &request, Protocol::ModbusRtu, Verdict::Request);
-    let (mut window, _events) = window_of([vec![first, broken], dcon.to_vec()].concat());
+    let (mut window, _events) = played([vec![first, broken], dcon.to_vec()].concat());
     click(&mut window, Role::Button, "Traffic");
     assert!(has_row(&window, &["Sent", "01 04 01 E5 00 01"]));
     assert!(has_row(&window, &["Received", "wrong CRC: 0101", "Broken"]));
@@ -158,7 +151,7 @@ fn a_search_finds_bytes_text_and_trouble() {
         frame(1, &[], Protocol::ModbusRtu, Verdict::Silent),
         frame(2, b"$01M\r", Protocol::Dcon, Verdict::Request),
     ];
-    let (mut window, _events) = window_of(frames);
+    let (mut window, _events) = played(frames);
     click(&mut window, Role::Button, "Traffic");
     search(&mut window, "01E5");
     assert!(has_row(&window, &["01 E5"]) && rows(&window).len() == 1, "{:?}", rows(&window));
@@ -176,7 +169,7 @@ fn two_hundred_thousand_frames_lay_out_what_is_in_view_and_pause_holds() {
         let request = frame(2 * index, &request, Protocol::ModbusRtu, Verdict::Request);
         [request, frame(2 * index + 1, &answer, Protocol::ModbusRtu, Verdict::Answer)]
     };
-    let (mut window, events) = window_of((0..100_000).flat_map(pair).collect());
+    let (mut window, events) = played((0..100_000).flat_map(pair).collect());
     click(&mut window, Role::Button, "Traffic");
     until(&mut window, "the end is in view", |window| rows(window).last().is_some_and(|row| row.contains(":39.980")));
     window.step();

@@ -57,12 +57,6 @@ fn move_to(window: &mut Window, place: Pos2) {
     window.step();
 }
 
-fn press(window: &mut Window, key: Key) {
-    window.key_press_modifiers(Modifiers::NONE, key);
-    window.step();
-    window.step();
-}
-
 fn button(window: &mut Window, place: Pos2, button: PointerButton, pressed: bool) {
     window.event(Event::PointerButton { pos: place, button, pressed, modifiers: Modifiers::NONE });
     window.step();
@@ -165,7 +159,7 @@ fn it_follows_until_it_is_paused_or_moved_and_goes_back_to_what_was_in_view() {
     let span = window.get_by_role_and_label(Role::ComboBox, "Time in view").value();
     assert_eq!(span.as_deref(), Some("30 s"), "a tenth of five minutes");
     move_to(&mut window, to);
-    press(&mut window, Key::Backspace);
+    press(&mut window, Modifiers::NONE, Key::Backspace);
     let span = window.get_by_role_and_label(Role::ComboBox, "Time in view").value();
     assert_eq!(span.as_deref(), Some("5 min"));
 }
@@ -191,7 +185,7 @@ fn figures_between_the_cursors_are_those_of_what_the_module_was() {
     for (key, across) in [(Key::A, 0.08), (Key::B, 0.998)] {
         let place = at(&window, across, 0.3);
         move_to(&mut window, place);
-        press(&mut window, key);
+        press(&mut window, Modifiers::NONE, key);
     }
     assert!(shows(&window, "Figures between A and B"));
     let temperature = row(&window, "Temperature").unwrap();
@@ -265,7 +259,7 @@ fn a_note_is_written_at_the_pointer_and_marked() {
     trends(&mut window, 3);
     let place = at(&window, 0.9, 0.3);
     move_to(&mut window, place);
-    press(&mut window, Key::M);
+    press(&mut window, Modifiers::NONE, Key::M);
     until(&mut window, "the field", |window| window.query_by_role_and_label(Role::TextInput, "Note").is_some());
     window.get_by_role_and_label(Role::TextInput, "Note").type_text("door opened");
     window.step();

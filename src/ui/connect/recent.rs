@@ -1,5 +1,7 @@
 //! Lines that were opened before: what the system says of each now, and connecting again as last time.
 
+use std::slice;
+
 use eframe::egui::{Ui, vec2};
 
 use super::{Ready, TCP, plan_of};
@@ -7,18 +9,19 @@ use crate::bench::{Action, Bench};
 use crate::bus::LineAddress;
 use crate::ui::app::Pass;
 use crate::ui::settings::{LineChoice, Now, Place, RecentLine, Settings};
+use crate::ui::tables::{Sheet, copied_row};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
 /// The rows of the list of lines; nothing while no line was opened yet.
-pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>) {
-    if pass.settings.recent_ports.is_empty() {
+pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>, shown: &mut Vec<RecentLine>) {
+    if shown.is_empty() {
         return;
     }
     widgets::section(ui, "Recent");
     let mut forgotten = None;
-    for (index, recent) in pass.settings.recent_ports.clone().iter().enumerate() {
-        ui.horizontal(|ui| {
+    for (index, recent) in shown.iter().enumerate() {
+        let row = ui.horizontal(|ui| {
             name(ui, pass, recent);
             widgets::at_right(ui, |ui| {
                 let forget = widgets::glyph_button(ui, Glyph::Cross, &format!("Forget {}", recent.name()), true);
@@ -28,10 +31,25 @@ pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>) {
                 connect(ui, pass, recent);
             });
         });
+        let bench = pass.bench;
+        copied_row(ui, row.response.rect, ui.scope_id().with(("recent", index)), |part| {
+            sheet(bench, part.of(slice::from_ref(recent), shown.as_slice()))
+        });
     }
     if let Some(index) = forgotten {
-        pass.settings.recent_ports.remove(index);
+        let forgotten = shown.remove(index);
+        pass.settings.recent_ports.retain(|recent| *recent != forgotten);
     }
+}
+
+/// Recent lines as they are copied.
+fn sheet(bench: &Bench, lines: &[RecentLine]) -> Sheet {
+    let mut sheet = Sheet::new(["Line", "State"]);
+    for recent in lines {
+        let (name, state) = told(bench, recent);
+        sheet.push([name, state]);
+    }
+    sheet
 }
 
 /// A click chooses the line with its speed and format.
@@ -45,6 +63,7 @@ fn name(ui: &mut Ui, pass: &mut Pass<'_>, recent: &RecentLine) {
     let (name, state) = told(bench, recent);
     let button = ui.add_enabled(possible.is_ok(), eframe::egui::Button::selectable(chosen, &name));
     widgets::describe(&button, eframe::egui::Role::Button, &format!("Recent {name}"));
+    let button = button.on_hover_text("Chooses this line with the speed and format of last time");
     if button.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
         choose(bench, pass.settings, recent);
         ui.close();

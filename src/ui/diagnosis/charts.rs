@@ -116,6 +116,7 @@ fn area(ui: &mut Ui, told: &str) -> (Rect, Rect) {
     let size = vec2(ui.available_width(), theme::CHART_HEIGHT + theme::TIME_AXIS);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     widgets::describe(&response, Role::Image, told);
+    response.on_hover_text(told);
     let (plot, axis) = rect.split_top_bottom_at_y(rect.top() + theme::CHART_HEIGHT);
     let palette = theme::palette(ui);
     ui.painter().hline(plot.x_range(), plot.bottom(), Stroke::new(theme::HAIRLINE, palette.line));

@@ -1,6 +1,8 @@
 //! What is known of the line or of one module: what was found first, then the numbers behind it.
 
-use eframe::egui::{Align, Button, Grid, Label, Layout, RichText, Ui, vec2};
+use std::slice;
+
+use eframe::egui::{Align, Button, Grid, Label, Layout, Rect, RichText, Ui, vec2};
 
 use super::{charts, mark, stations};
 use crate::bench::Action;
@@ -9,6 +11,7 @@ use crate::diagnosis::{
     TimeoutAdvice, Times, adapter_in_words, noise_in_words,
 };
 use crate::ui::app::Pass;
+use crate::ui::tables::{Sheet, copied_row};
 use crate::ui::{theme, widgets, words};
 
 pub fn line(ui: &mut Ui, report: &Report, pass: &mut Pass<'_>) {
@@ -105,13 +108,28 @@ fn findings(ui: &mut Ui, findings: &[Finding], none: &str) {
             ui.label(none);
         });
     }
-    findings.iter().for_each(|found| finding(ui, found));
+    for (index, found) in findings.iter().enumerate() {
+        let row = finding(ui, found);
+        copied_row(ui, row, ui.scope_id().with(("finding", index)), |part| {
+            findings_sheet(part.of(slice::from_ref(found), findings))
+        });
+    }
 }
 
-fn finding(ui: &mut Ui, finding: &Finding) {
+/// Findings as they are copied.
+fn findings_sheet(findings: &[Finding]) -> Sheet {
+    let mut sheet = Sheet::new(["Severity", "Finding", "Evidence", "Likely cause", "Next step"]);
+    for finding in findings {
+        let Finding { severity, title, evidence, cause, next_step, .. } = finding;
+        sheet.push([severity.word(), title, evidence, cause, next_step]);
+    }
+    sheet
+}
+
+fn finding(ui: &mut Ui, finding: &Finding) -> Rect {
     let palette = theme::palette(ui);
     let (glyph, colour) = mark(Some(finding.severity), palette);
-    ui.horizontal_top(|ui| {
+    let row = ui.horizontal_top(|ui| {
         widgets::glyph(ui, glyph, colour);
         ui.vertical(|ui| {
             ui.set_max_width(theme::FINDING_WIDTH.min(ui.available_width()));
@@ -130,7 +148,10 @@ fn finding(ui: &mut Ui, finding: &Finding) {
         });
     });
     ui.add_space(theme::GAP);
+    row.response.rect
 }
+
+const ANSWER_TIMES: &str = "From the end of a request to the first byte of its answer";
 
 /// The four numbers that say most.
 fn times(ui: &mut Ui, times: Option<&Times>) {
@@ -141,24 +162,53 @@ fn times(ui: &mut Ui, times: Option<&Times>) {
         ("99 %", times.map(|times| times.p99_ms)),
         ("max", times.map(|times| times.max_ms)),
     ];
-    ui.horizontal_wrapped(|ui| {
+    let row = ui.horizontal_wrapped(|ui| {
         for (name, value) in all {
             widgets::quiet(ui, name);
             let text = shown(value);
             let response = widgets::fixed(ui, theme::ANSWER_TIME, Align::Min, &text);
             widgets::describe(&response, eframe::egui::Role::Label, &format!("{name} {text}"));
+            response.on_hover_text(ANSWER_TIMES);
         }
+    });
+    copied_row(ui, row.response.rect, ui.scope_id().with("times"), |_| {
+        let mut sheet = Sheet::new(all.map(|(name, _)| name));
+        sheet.push(all.map(|(_, value)| shown(value)));
+        sheet
     });
 }
 
 fn facts(ui: &mut Ui, id: &str, rows: &[(&str, String)]) {
+    let sheet = |rows: &[(&str, String)]| {
+        let mut sheet = Sheet::new(["Count", "Value"]);
+        rows.iter().for_each(|(name, text)| sheet.push([name, text.as_str()]));
+        sheet
+    };
     Grid::new(id).num_columns(2).spacing(vec2(theme::GAP_SECTION, theme::UNIT / 2.0)).show(ui, |ui| {
-        for (name, text) in rows {
-            widgets::quiet(ui, name);
-            ui.add(Label::new(text.as_str()).wrap());
+        for row in rows {
+            let (name, text) = row;
+            let first = widgets::quiet(ui, name).on_hover_text(meaning(name));
+            let second = ui.add(Label::new(text.as_str()).wrap());
+            copied_row(ui, first.rect.union(second.rect), ui.scope_id().with(name), |part| {
+                sheet(part.of(slice::from_ref(row), rows))
+            });
             ui.end_row();
         }
     });
+}
+
+/// What is counted under this name.
+fn meaning(count: &str) -> &'static str {
+    match count {
+        "Exchanges" => "A request and what came of it; of modules that have answered at least once",
+        "Failed" => "No answer, or one that cannot be used",
+        "Never answered" => "Asked by a scan, without a module there",
+        "Asked again" => "A read whose answer was missing or unusable is asked again at once; a write never is",
+        "Echo" => "Some adapters send back what is sent; it is taken away before the answer",
+        "Noise" => "Bytes that belong to no answer",
+        "Latency timer" => "How long the adapter holds bytes back before it hands them on",
+        _ => "",
+    }
 }
 
 fn echo(echoes: u64) -> String {

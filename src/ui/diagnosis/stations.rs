@@ -1,32 +1,36 @@
 //! The line and its modules, to choose from.
 
-use eframe::egui::{Align, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use std::slice;
+
+use eframe::egui::{Align, Response, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::mark;
 use crate::bus::Target;
-use crate::diagnosis::{Report, Severity};
+use crate::diagnosis::{ModuleReport, Report, Severity, Times};
+use crate::ui::tables::{Sheet, copied};
 use crate::ui::{theme, widgets, words};
 
+const HEADER: [&str; 7] = ["Place", "Line", "Exchanges", "Failed", "Median (ms)", "99 % (ms)", "Worst finding"];
+
 pub fn show(ui: &mut Ui, report: &Report, chosen: &mut Option<Target>) {
+    let rows: Vec<Row> =
+        std::iter::once(Row::of_line(report)).chain(report.modules.iter().map(Row::of_module)).collect();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        let worst = report.line.findings.iter().map(|finding| finding.severity).max();
-        let line = Row { title: "Line".to_owned(), below: report.line.name.clone(), failed: None, worst };
-        if line.show(ui, chosen.is_none()) {
-            *chosen = None;
-        }
-        for module in &report.modules {
-            let row = Row {
-                title: module.title(),
-                below: words::spoken(&module.target),
-                failed: Some(words_of_share(module.error_rate)),
-                worst: module.worst(),
-            };
-            if row.show(ui, *chosen == Some(module.target)) {
-                *chosen = Some(module.target);
+        for row in &rows {
+            let response = row.show(ui, *chosen == row.place);
+            copied(&response, |part| sheet(part.of(slice::from_ref(row), rows.as_slice())));
+            if response.clicked() {
+                *chosen = row.place;
             }
         }
     });
+}
+
+fn sheet(rows: &[Row]) -> Sheet {
+    let mut sheet = Sheet::new(HEADER);
+    rows.iter().for_each(|row| sheet.push(row.cells()));
+    sheet
 }
 
 /// How much fails; an address that never answered has no rate.
@@ -35,15 +39,55 @@ pub fn words_of_share(share: Option<f64>) -> String {
 }
 
 struct Row {
+    /// `None` is the line.
+    place: Option<Target>,
     title: String,
     below: String,
+    exchanges: u64,
     failed: Option<String>,
+    times: Option<Times>,
     worst: Option<Severity>,
 }
 
 impl Row {
-    /// True if it was chosen.
-    fn show(&self, ui: &mut Ui, shown: bool) -> bool {
+    fn of_line(report: &Report) -> Self {
+        let line = &report.line;
+        Self {
+            place: None,
+            title: "Line".to_owned(),
+            below: line.name.clone(),
+            exchanges: line.exchanges,
+            failed: None,
+            times: line.answer_time.clone(),
+            worst: line.findings.iter().map(|finding| finding.severity).max(),
+        }
+    }
+
+    fn of_module(module: &ModuleReport) -> Self {
+        Self {
+            place: Some(module.target),
+            title: module.title(),
+            below: words::spoken(&module.target),
+            exchanges: module.exchanges,
+            failed: Some(words_of_share(module.error_rate)),
+            times: module.answer_time.clone(),
+            worst: module.worst(),
+        }
+    }
+
+    fn state(&self) -> &'static str {
+        self.worst.map_or("nothing found", Severity::word)
+    }
+
+    fn cells(&self) -> [String; HEADER.len()] {
+        let time = |of: fn(&Times) -> f64| self.times.as_ref().map(|times| format!("{:.1}", of(times)));
+        let [median, late] = [time(|times| times.median_ms), time(|times| times.p99_ms)].map(Option::unwrap_or_default);
+        let failed = self.failed.clone().unwrap_or_default();
+        let exchanges = self.exchanges.to_string();
+        [self.title.clone(), self.below.clone(), exchanges, failed, median, late, self.state().to_owned()]
+    }
+
+    fn show(&self, ui: &mut Ui, shown: bool) -> Response {
         let palette = theme::palette(ui);
         let size = vec2(ui.available_width(), theme::STATION_ROW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -63,11 +107,10 @@ impl Row {
         let title = upper.with_max_x(right.left() - theme::UNIT);
         widgets::line_in(ui, title, Align::Min, &self.title, theme::body(), palette.text);
         widgets::line_in(ui, lower, Align::Min, &self.below, theme::small(), palette.quiet);
-        let state = self.worst.map_or("nothing found", Severity::word);
-        let name = format!("Diagnosis of {}, {state}", self.title);
+        let name = format!("Diagnosis of {}, {}", self.title, self.state());
         response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, shown, &name));
         let errors =
             self.failed.as_ref().map_or_else(String::new, |failed| format!("\n{failed} of the exchanges failed"));
-        response.on_hover_text(format!("{}\n{}{errors}", self.title, self.below)).clicked()
+        response.on_hover_text(format!("{}\n{}{errors}", self.title, self.below))
     }
 }

@@ -67,9 +67,13 @@ impl AboutBox {
             ui.add_space(theme::UNIT);
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::UNIT;
-                let pages = [(Page::Program, "Program"), (Page::Own, "Its licence"), (Page::Others, "Parts by others")];
-                for (page, name) in pages {
-                    if widgets::chip(ui, open.page == page, name, name) {
+                let pages = [
+                    (Page::Program, "Program", "What it is, and where it keeps its files"),
+                    (Page::Own, "Its licence", "What you may do with the program"),
+                    (Page::Others, "Parts by others", "What the program is made of, and under which licences"),
+                ];
+                for (page, name, means) in pages {
+                    if widgets::chip(ui, open.page == page, name, name, means) {
                         open.page = page;
                     }
                 }
@@ -115,12 +119,13 @@ fn program(ui: &mut Ui, folders: &[Folder], renderer: Option<&str>, pass: &mut P
         line(ui, folder.name, &folder.path.display().to_string(), |ui| {
             let open = ui.add_enabled(folder.is_there, Button::new("Open"));
             widgets::describe(&open, egui::Role::Button, &format!("Open the folder of {}", folder.name.to_lowercase()));
+            let open = open.on_hover_text("Shows the folder in the file manager");
             if open.on_disabled_hover_text("It is not there yet: it is made when something is kept in it").clicked() {
                 pass.recordings.ask(Wish::ShowFolder(folder.path.clone()));
             }
             let copy = ui.button("Copy");
             widgets::describe(&copy, egui::Role::Button, &format!("Copy the folder of {}", folder.name.to_lowercase()));
-            if copy.clicked() {
+            if copy.on_hover_text("Copies its path").clicked() {
                 ui.ctx().copy_text(folder.path.display().to_string());
             }
         });

@@ -4,7 +4,8 @@ use eframe::egui::{Align, FontId, Frame, Label, Layout, Margin, RichText, Scroll
 
 use super::text::{self, Style};
 use crate::help::Article;
-use crate::help::markdown::{Block, Column, Mark, Span};
+use crate::help::markdown::{Block, Column, Document, Mark, Span};
+use crate::ui::tables::{Part, Sheet, copied_row};
 use crate::ui::theme::{self, Palette};
 
 /// What is remembered between frames.
@@ -47,7 +48,14 @@ impl ArticleView {
                     ui.allocate_space(rect.size().min(vec2(ui.available_width(), f32::INFINITY)));
                 } else {
                     let tables = &article.document.tables;
-                    clicked = show_block(ui, block, tables, words, first).or(clicked.take());
+                    let shown = ui.scope(|ui| show_block(ui, block, tables, words, first));
+                    clicked = shown.inner.or(clicked.take());
+                    if let Block::Row { table, .. } = block {
+                        let id = ui.scope_id().with(("row", index));
+                        copied_row(ui, shown.response.rect, id, |part| {
+                            sheet(&article.document, *table, (part == Part::Row).then_some(index))
+                        });
+                    }
                     if let Some(height) = self.heights.get_mut(index) {
                         *height = Some(ui.cursor().top() - top);
                     }
@@ -104,6 +112,26 @@ fn show_block(ui: &mut Ui, block: &Block, tables: &[Vec<Column>], words: &[Strin
             None
         }
     }
+}
+
+/// A table as it is copied; with `only`, of its rows that block alone.
+fn sheet(document: &Document, table: usize, only: Option<usize>) -> Sheet {
+    let plain = |cells: &[Vec<Span>]| -> Vec<String> {
+        cells.iter().map(|cell| cell.iter().map(|span| span.text.as_str()).collect()).collect()
+    };
+    let mut head = Vec::new();
+    let mut rows = Vec::new();
+    for (index, block) in document.blocks.iter().enumerate() {
+        let Block::Row { table: known, head: is_head, cells } = block else { continue };
+        if *known == table && *is_head {
+            head = plain(cells);
+        } else if *known == table && only.is_none_or(|only| only == index) {
+            rows.push(plain(cells));
+        }
+    }
+    let mut sheet = Sheet::new(head);
+    rows.into_iter().for_each(|row| sheet.push(row));
+    sheet
 }
 
 /// Text is hard to follow in lines that are too long.

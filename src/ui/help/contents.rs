@@ -12,6 +12,7 @@ pub fn search_field(ui: &mut Ui, text: &mut String, focus: bool) -> bool {
     let hint = "Search the help";
     let response = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(ui.available_width() - theme::GAP));
     widgets::name_field(&response, hint, text);
+    let response = response.on_hover_text("Finds pages that have all of these words; Esc empties it");
     if focus {
         response.request_focus();
     }

@@ -40,6 +40,7 @@ impl LicenceList {
             TextEdit::singleline(&mut self.sought).hint_text(hint).desired_width(ui.available_width() - theme::GAP);
         let response = ui.add(field);
         widgets::name_field(&response, hint, &self.sought);
+        response.on_hover_text("Shows only parts with this in their name or licence");
         let found: Vec<Part> = self.parts.iter().filter(|part| part.has(&self.sought)).copied().collect();
         widgets::quiet_small(ui, &format!("{} of {} parts", found.len(), self.parts.len()));
         let mut chosen = None;
@@ -63,7 +64,7 @@ impl LicenceList {
             ui.label(part.title());
             widgets::quiet(ui, part.licence);
             widgets::at_right(ui, |ui| {
-                if ui.button("Copy").clicked() {
+                if ui.button("Copy").on_hover_text("Copies the text of this licence").clicked() {
                     ui.ctx().copy_text(text.clone());
                 }
             });

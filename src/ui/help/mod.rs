@@ -132,6 +132,7 @@ impl HelpView {
         let mut back = false;
         ui.horizontal(|ui| {
             let button = ui.add_enabled(!self.before.is_empty(), Button::new("Back"));
+            let button = button.on_hover_text("To the page that was shown before");
             back = button.on_disabled_hover_text("This is the first page that you opened").clicked();
             widgets::quiet(ui, &format!("{}  ›  {}", article.group.title(), article.title));
             widgets::at_right(ui, |ui| {

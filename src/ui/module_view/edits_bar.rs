@@ -35,15 +35,17 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         widgets::at_right(ui, |ui| {
             let reason = module.unwritable().or_else(|| pass.bench.line().obstacle().map(str::to_owned));
             let shortcut = ui.ctx().format_shortcut(&WRITE_ALL);
+            let means = format!("Writes the changes to the module and reads them back ({shortcut})");
             let button = ui.add_enabled(reason.is_none(), Button::new(format!("Write {count}")));
-            let button = button.on_disabled_hover_text(reason.clone().unwrap_or_default()).on_hover_text(shortcut);
+            let button = button.on_disabled_hover_text(reason.clone().unwrap_or_default()).on_hover_text(means);
             let asked = ui.memory(|memory| memory.top_modal_layer().is_some());
             let meant = reason.is_none() && !asked && pass.active == Pane::Module(module.target);
             let typed = meant && ui.input_mut(|input| input.consume_shortcut(&WRITE_ALL));
             if button.clicked() || typed {
                 form::write(module, pass, &edited);
             }
-            if ui.button("Revert all").clicked() {
+            let revert = ui.button("Revert all");
+            if revert.on_hover_text("Drops the changes; the module keeps what it has").clicked() {
                 pass.actions.push(Action::Revert(module.target, None));
             }
         });

@@ -58,6 +58,7 @@ pub fn editor(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, wi
         let colour = if is_old { theme::palette(ui).old } else { ui.visuals().text_color() };
         let response = widgets::fixed_coloured(ui, width, Align::Min, &text, colour);
         widgets::describe(&response, Role::Label, &format!("{} {text}", item.label));
+        response.on_hover_text(explanation(module, item));
         return;
     }
     let busy = module.edit(&item.id).is_some_and(crate::bench::Edit::is_being_written);
@@ -92,6 +93,7 @@ fn switch(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
     written_by_key(ui, ui.next_auto_id(), module, pass, item);
     let response = ui.add(Checkbox::new(&mut on, word).indeterminate(known.is_none()));
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, ui.is_enabled(), on, &item.label));
+    let response = response.on_hover_text(explanation(module, item));
     if response.changed() {
         pass.actions.push(Action::Stage(module.target, item.id.clone(), on.to_string()));
     }
@@ -134,7 +136,8 @@ fn choose(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width:
         response.response.request_focus();
     }
     widgets::name_combo(&response.response, &item.label, &text);
-    keys(ui, &response.response, module, pass, item);
+    let response = response.response.on_hover_text(explanation(module, item));
+    keys(ui, &response, module, pass, item);
 }
 
 /// A field keeps what is typed while it has the focus; the bench judges it with every key.
@@ -157,6 +160,7 @@ fn field(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, width: 
     }
     let response = ui.add(edit);
     widgets::name_field(&response, &item.label, &text);
+    let response = response.on_hover_text(explanation(module, item));
     if response.changed() {
         pass.actions.push(Action::Stage(module.target, item.id.clone(), text.clone()));
     }
@@ -269,13 +273,13 @@ pub fn state(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item) {
         let obstacle = pass.bench.line().obstacle();
         let writable = !matches!(state, ItemState::Invalid(_)) && obstacle.is_none();
         let word = if matches!(state, ItemState::Refused(_)) { "Retry" } else { "Write" };
-        let button = ui.add_enabled(writable, Button::new(word)).on_hover_text("Enter");
+        let button = ui.add_enabled(writable, Button::new(word)).on_hover_text("Writes this change (Enter)");
         let button = button.on_disabled_hover_text(obstacle.unwrap_or(&text));
         button.widget_info(|| WidgetInfo::labeled(Role::Button, writable, format!("{word} {}", item.label)));
         if button.clicked() {
             write(module, pass, std::slice::from_ref(&item.id));
         }
-        let button = ui.button("Revert").on_hover_text("Esc");
+        let button = ui.button("Revert").on_hover_text("Drops this change (Esc)");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Revert {}", item.label)));
         if button.clicked() {
             pass.actions.push(Action::Revert(module.target, Some(item.id.clone())));

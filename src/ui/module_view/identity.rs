@@ -32,38 +32,54 @@ impl Default for Polling {
 
 /// `asks` are the items that the present tab reads when asked to read again.
 pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Header, asks: Vec<String>) {
-    // Where there is no room beside the name, the watchdog has a row of its own.
-    let indicator = indicator::width(module);
+    header.indicator.look_after_a_trip(module, pass);
+    // In a narrow pane, or with large text, the controls have a row of their own, and the watchdog has that of what the
+    // module said while there is something to say of it.
     let beside = ui.available_width() >= theme::MODULE_LEAST;
     ui.horizontal(|ui| {
-        ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
-        let others = if beside { indicator } else { 0.0 } + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
+        let name = ui.label(RichText::new(module.label()).heading().color(theme::palette(ui).text));
+        name.on_hover_text(facts(module, "firmware "));
+        let others =
+            if beside { indicator::width(module) } else { 0.0 } + theme::UNITS_WIDTH + theme::GLYPH + 3.0 * theme::GAP;
         let width = (ui.available_width() - others).max(0.0);
         presence(ui, module, pass.bench.line(), width);
         widgets::at_right(ui, |ui| {
             unit_toggle(ui, &mut pass.settings.temperature);
             ui.add_space(theme::GAP);
             if beside {
-                header.indicator.show(ui, module, pass);
+                indicator::show(ui, module, pass);
             }
         });
     });
-    if !beside && indicator > 0.0 {
-        ui.horizontal(|ui| widgets::at_right(ui, |ui| header.indicator.show(ui, module, pass)));
-    }
-    ui.horizontal(|ui| {
-        let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + theme::READ_WIDTH + 3.0 * theme::GAP;
-        let width = (ui.available_width() - controls).max(0.0);
-        let palette = theme::palette(ui);
-        let response = widgets::fixed_coloured(ui, width, Align::Min, &facts(module, ""), palette.quiet);
-        response.on_hover_text(facts(module, "firmware "));
-        widgets::at_right(ui, |ui| {
-            let closed = matches!(pass.bench.line(), LineState::Closed);
-            pause_button(ui, module, closed, pass.actions, &header.polling);
-            interval_selector(ui, module, pass.actions, &mut header.polling);
-            read_again(ui, module, pass.bench.line().obstacle(), pass.actions, asks);
+    if beside {
+        ui.horizontal(|ui| {
+            let controls = theme::INTERVAL_WIDTH + theme::POLLING_WIDTH + theme::READ_WIDTH + 3.0 * theme::GAP;
+            told(ui, module, (ui.available_width() - controls).max(0.0));
+            widgets::at_right(ui, |ui| {
+                pause_button(ui, module, pass, &header.polling);
+                interval_selector(ui, module, pass.actions, &mut header.polling);
+                read_again(ui, module, pass, asks);
+            });
         });
-    });
+    } else {
+        if indicator::speaks(module) {
+            ui.horizontal(|ui| widgets::at_right(ui, |ui| indicator::show(ui, module, pass)));
+        } else {
+            told(ui, module, ui.available_width());
+        }
+        ui.horizontal_wrapped(|ui| {
+            read_again(ui, module, pass, asks);
+            interval_selector(ui, module, pass.actions, &mut header.polling);
+            pause_button(ui, module, pass, &header.polling);
+        });
+    }
+}
+
+/// What it said of itself, and how it is reached.
+fn told(ui: &mut Ui, module: &Module, width: f32) {
+    let quiet = theme::palette(ui).quiet;
+    let response = widgets::fixed_coloured(ui, width, Align::Min, &facts(module, ""), quiet);
+    response.on_hover_text(facts(module, "firmware "));
 }
 
 /// `before` comes before the firmware's version, where there is room for it.
@@ -95,7 +111,7 @@ fn presence(ui: &mut Ui, module: &Module, line: &LineState, width: f32) {
 fn unit_toggle(ui: &mut Ui, unit: &mut TemperatureUnit) {
     ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
     for choice in TemperatureUnit::ALL.into_iter().rev() {
-        if widgets::chip(ui, *unit == choice, choice.symbol(), choice.symbol()) {
+        if widgets::chip(ui, *unit == choice, choice.symbol(), choice.symbol(), choice.means()) {
             *unit = choice;
         }
     }
@@ -111,26 +127,31 @@ fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, po
     }
 }
 
-fn pause_button(ui: &mut Ui, module: &Module, closed: bool, actions: &mut Vec<Action>, polling: &Polling) {
-    let (text, action) = match module.interval {
-        Some(_) => ("Pause polling", Action::StopPolling(module.target)),
-        None => ("Resume polling", Action::SetInterval(module.target, polling.interval)),
+fn pause_button(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, polling: &Polling) {
+    let (text, means, action) = match module.interval {
+        Some(_) => ("Pause polling", "Asks it nothing by itself until resumed", Action::StopPolling(module.target)),
+        None => {
+            let action = Action::SetInterval(module.target, polling.interval);
+            ("Resume polling", "Asks it again and again for its readings", action)
+        }
     };
+    let closed = matches!(pass.bench.line(), LineState::Closed);
     let button = egui::Button::new(text).min_size(egui::vec2(theme::POLLING_WIDTH, theme::CONTROL_HEIGHT));
-    let response = ui.add_enabled(!closed, button).on_disabled_hover_text("No line is open: scan to open it again");
-    if response.clicked() {
-        actions.push(action);
+    let response = ui.add_enabled(!closed, button).on_hover_text(means);
+    if response.on_disabled_hover_text("No line is open: scan to open it again").clicked() {
+        pass.actions.push(action);
     }
 }
 
 /// Reads what the present tab shows once more. F5 does the same, for the tab that is worked in.
-fn read_again(ui: &mut Ui, module: &Module, obstacle: Option<&str>, actions: &mut Vec<Action>, asks: Vec<String>) {
+fn read_again(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, asks: Vec<String>) {
+    let obstacle = pass.bench.line().obstacle();
     let reason = obstacle.unwrap_or("Nothing on this tab is read on request");
     let enabled = obstacle.is_none() && !asks.is_empty();
     let button = egui::Button::new("Read again").min_size(egui::vec2(theme::READ_WIDTH, theme::CONTROL_HEIGHT));
     let response = ui.add_enabled(enabled, button);
     let response = response.on_hover_text("Reads what this tab shows once more (F5)").on_disabled_hover_text(reason);
     if response.clicked() {
-        actions.push(Action::Read(module.target, asks));
+        pass.actions.push(Action::Read(module.target, asks));
     }
 }

@@ -25,23 +25,27 @@ pub fn width(module: &Module) -> f32 {
     if sends || watchdog::exists(module) { theme::INDICATOR } else { 0.0 }
 }
 
-impl Indicator {
-    /// Fills its room from the right.
-    pub fn show(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
-        self.look_after_a_trip(module, pass);
-        let width = width(module);
-        if width == 0.0 {
-            return;
-        }
-        let (room, _) = ui.allocate_exact_size(vec2(width, theme::CONTROL_HEIGHT), Sense::hover());
-        let layout = eframe::egui::Layout::right_to_left(Align::Center);
-        let mut ui = ui.new_child(eframe::egui::UiBuilder::new().max_rect(room).layout(layout));
-        ui.spacing_mut().item_spacing.x = theme::GAP;
-        contents(&mut ui, module, pass);
-    }
+/// Whether there is something to say of the watchdog.
+pub fn speaks(module: &Module) -> bool {
+    watchdog::has_tripped(module) || module.host_ok.is_some() || module.watchdog_counts()
+}
 
+/// Fills its room from the right.
+pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
+    let width = width(module).min(ui.available_width());
+    if width <= 0.0 {
+        return;
+    }
+    let (room, _) = ui.allocate_exact_size(vec2(width, theme::CONTROL_HEIGHT), Sense::hover());
+    let layout = eframe::egui::Layout::right_to_left(Align::Center);
+    let mut ui = ui.new_child(eframe::egui::UiBuilder::new().max_rect(room).layout(layout));
+    ui.spacing_mut().item_spacing.x = theme::GAP;
+    contents(&mut ui, module, pass);
+}
+
+impl Indicator {
     /// A trip changes more than it says: whether the watchdog is still enabled is read again.
-    fn look_after_a_trip(&mut self, module: &Module, pass: &mut Pass<'_>) {
+    pub fn look_after_a_trip(&mut self, module: &Module, pass: &mut Pass<'_>) {
         let Some(now) = module.known("wdt_tripped").and_then(Value::as_bool) else { return };
         if self.tripped.replace(now).is_some_and(|before| before != now) {
             let there = |id: &&str| module.item(id).is_some_and(|item| module.has(item));

@@ -15,6 +15,7 @@ use crate::ui::theme::{self, Palette};
 use crate::ui::{widgets, words};
 
 /// Spans to choose from, in seconds.
+const SPAN: &str = "How much time the plot shows; the wheel over it changes that too";
 const CHOICES: [(f64, &str); 4] = [(60.0, "1 min"), (300.0, "5 min"), (900.0, "15 min"), (3_600.0, "1 h")];
 /// Zoom of a scroll by one point.
 const ZOOM_PER_POINT: f64 = 0.004;
@@ -83,11 +84,11 @@ impl LivePlot {
 
     fn tools(&mut self, ui: &mut Ui, settings: &mut Settings, latest: f64) {
         ui.horizontal(|ui| {
-            widgets::quiet(ui, "Last");
+            widgets::quiet(ui, "Last").on_hover_text(SPAN);
             ui.scope(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::HAIRLINE;
                 for (span, name) in CHOICES {
-                    if widgets::chip(ui, settings.span == span, name, &format!("Last {name}")) {
+                    if widgets::chip(ui, settings.span == span, name, &format!("Last {name}"), SPAN) {
                         settings.span = span;
                     }
                 }
@@ -101,7 +102,8 @@ impl LivePlot {
             if response.clicked() {
                 self.end = if self.end.is_none() { Some(latest) } else { None };
             }
-            ui.checkbox(&mut settings.strips, "Switches");
+            let strips = ui.checkbox(&mut settings.strips, "Switches");
+            strips.on_hover_text("Motion, outputs and alarms as strips below the plot");
             let end = self.end.unwrap_or(latest);
             widgets::at_right(ui, |ui| {
                 let (from, to) = (words::time_of_day(end - settings.span, 0), words::time_of_day(end, 0));

@@ -15,7 +15,7 @@ use crate::ui::app::Pass;
 use crate::ui::saving::{Contents, SaveAs};
 use crate::ui::tables::{
     self, Act, Asked, CaptureFile, Cell, Column, EventsFile, Form, FramesFile, Line, Scroll, Selection, Sheet, Table,
-    Wanted,
+    Wanted, meaning,
 };
 use crate::ui::{theme, widgets, words};
 
@@ -67,7 +67,7 @@ impl Log {
     fn controls(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         ui.horizontal(|ui| {
             for mode in Mode::ALL {
-                if widgets::chip(ui, self.mode == mode, mode.label(), mode.label()) {
+                if widgets::chip(ui, self.mode == mode, mode.label(), mode.label(), mode.means()) {
                     self.mode = mode;
                     self.scroll.at_end = true;
                 }
@@ -99,7 +99,9 @@ impl Log {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = theme::UNIT;
             tables::search(ui, &mut self.text, "Search");
-            if self.mode != Mode::Events && widgets::chip(ui, self.only_errors, "Only errors", "Only errors") {
+            if self.mode != Mode::Events
+                && widgets::chip(ui, self.only_errors, "Only errors", "Only errors", meaning::ONLY_ERRORS)
+            {
                 self.only_errors = !self.only_errors;
             }
             if self.mode == Mode::Communication {
@@ -107,7 +109,8 @@ impl Log {
             }
             for kind in EntryKind::ALL {
                 let is_chosen = self.kinds.contains(&kind);
-                if widgets::chip(ui, is_chosen, kind.label(), kind.label()) && !self.kinds.remove(&kind) {
+                let chip = widgets::chip(ui, is_chosen, kind.label(), kind.label(), meaning::ONLY_KIND);
+                if chip && !self.kinds.remove(&kind) {
                     self.kinds.insert(kind);
                 }
             }
@@ -139,19 +142,19 @@ impl Log {
     }
 
     fn columns(&self, width: f32) -> Vec<Column> {
-        let time = Column::new("Time", theme::TIME_COLUMN);
-        let kind = Column::new("Kind", theme::STATE_COLUMN);
+        let time = Column::new("Time", meaning::TIME, theme::TIME_COLUMN);
+        let kind = Column::new("Kind", meaning::KIND, theme::STATE_COLUMN);
         if self.mode == Mode::Events {
-            return vec![time, kind, Column::rest("Event")];
+            return vec![time, kind, Column::rest("Event", meaning::EVENT)];
         }
         let fixed = theme::TIME_COLUMN + 2.0 * theme::STATE_COLUMN + theme::TOOK_COLUMN + 6.0 * theme::GAP;
         vec![
             time,
             kind,
-            Column::rest("Event or meaning"),
-            Column::new("Bytes", theme::bytes_width(width - fixed)),
-            Column::number("Took", theme::TOOK_COLUMN),
-            Column::new("State", theme::STATE_COLUMN),
+            Column::rest("Event or meaning", meaning::EVENT_OR_MEANING),
+            Column::new("Bytes", meaning::BYTES, theme::bytes_width(width - fixed)),
+            Column::number("Took", meaning::TOOK, theme::TOOK_COLUMN),
+            Column::new("State", meaning::STATE, theme::STATE_COLUMN),
         ]
     }
 

@@ -26,7 +26,9 @@ impl Summary {
         ui.horizontal(|ui| {
             exports(ui, &summary, pass);
             let text = "Only what differs from factory";
-            widgets::at_right(ui, |ui| drop(ui.add(Checkbox::new(&mut self.only_different, text))));
+            let means = "Leaves out what is as the module leaves the factory, and what the manual does not tell";
+            let mut check = |ui: &mut Ui| ui.add(Checkbox::new(&mut self.only_different, text)).on_hover_text(means);
+            widgets::at_right(ui, |ui| drop(check(ui)));
         });
         ui.add_space(theme::GAP);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -167,6 +169,9 @@ impl Columns {
     }
 }
 
+const COLUMNS: &str = "Value: what the module said last. Factory: as it leaves the factory, where the manual tells. Read: how \
+                       long ago it said so";
+
 fn heading(ui: &mut Ui, group: &Group) {
     let palette = theme::palette(ui);
     ui.add_space(theme::GAP_SECTION - theme::UNIT);
@@ -183,6 +188,7 @@ fn heading(ui: &mut Ui, group: &Group) {
     }
     ui.painter().hline(rect.x_range(), rect.bottom(), eframe::egui::Stroke::new(theme::HAIRLINE, palette.line));
     widgets::describe(&response, eframe::egui::Role::Label, &format!("Group {}", group.label));
+    response.on_hover_text(COLUMNS);
 }
 
 /// What stands behind the value: a mark, words beside it, when it was read.

@@ -33,10 +33,12 @@ fn introduce(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, dialogs: &mut Di
     ));
     ui.add_space(theme::GAP);
     ui.horizontal(|ui| {
-        if ui.button("Add definition file…").clicked() {
+        let add = ui.button("Add definition file…");
+        if add.on_hover_text("Chooses a file that tells what the model has; it is checked, and kept").clicked() {
             dialogs.ask_for_definition(ui.ctx());
         }
-        if ui.button("Remove from the list").clicked() {
+        let remove = ui.button("Remove from the list");
+        if remove.on_hover_text("It comes back with the next scan that finds it").clicked() {
             pass.actions.push(Action::Remove(module.target));
         }
     });

@@ -60,7 +60,8 @@ impl Form {
             ui.set_width(theme::QUESTION_WIDTH);
             ui.heading("Recording settings");
             ui.add_space(theme::GAP);
-            ui.checkbox(&mut self.record, "Record by itself when the first module is polled");
+            ui.checkbox(&mut self.record, "Record by itself when the first module is polled")
+                .on_hover_text("Otherwise a recording begins only when it is started in the status bar");
             ui.add_space(theme::GAP);
             self.folder(ui, home, dialogs);
             ui.add_space(theme::GAP);
@@ -93,7 +94,9 @@ impl Form {
             let field = TextEdit::singleline(&mut self.folder).hint_text(hint);
             let field = ui.add(field.desired_width(ui.available_width() - room - theme::FIELD_MARGIN));
             widgets::name_field(&field, "Folder", &self.folder);
-            if browse && ui.button("Browse…").clicked() {
+            field.on_hover_text("Where the files of recordings are written, as a whole path");
+            let browse_button = |ui: &mut Ui| ui.button("Browse…").on_hover_text("Choose the folder in a dialog");
+            if browse && browse_button(ui).clicked() {
                 let named = self.folder.trim();
                 let start = if named.is_empty() { home.map(Path::to_owned) } else { Some(PathBuf::from(named)) };
                 dialogs.ask_for_folder(ui.ctx(), start);

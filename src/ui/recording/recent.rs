@@ -1,7 +1,7 @@
 //! Which recordings there are in the folder: looked up on a thread of its own, because folders may be far away.
 
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use eframe::egui;
 
@@ -11,16 +11,22 @@ use crate::folders::{self, Found};
 /// Recordings that are listed.
 const MOST: usize = 20;
 
+/// What is known of the recordings in the folder.
 #[derive(Default)]
-pub struct Recent {
-    files: Option<Vec<Found>>,
-    pending: Option<Receiver<Vec<Found>>>,
+pub enum Recent {
+    #[default]
+    NoFolder,
+    Looking(Receiver<Vec<Found>>),
+    /// The newest first.
+    Known(Vec<Found>),
+    /// The system starts no thread that could look.
+    Unknown,
 }
 
 impl Recent {
-    /// Looks anew; what was found before stays until then.
+    /// Looks anew. What was found before is given up, as the files that are found now stand at other places.
     pub fn look(&mut self, ctx: &egui::Context, folder: Option<PathBuf>) {
-        let Some(folder) = folder else { return self.files = None };
+        let Some(folder) = folder else { return *self = Self::NoFolder };
         let (tell, pending) = sync_channel(1);
         let ctx = ctx.clone();
         let look = move || {
@@ -28,21 +34,38 @@ impl Recent {
             let _ = tell.send(folders::newest(&folder, ENDING, MOST));
             ctx.request_repaint();
         };
-        match std::thread::Builder::new().name("recordings".to_owned()).spawn(look) {
-            Ok(_) => self.pending = Some(pending),
-            Err(error) => log::warn!("recordings cannot be listed: {error}"),
-        }
+        *self = match std::thread::Builder::new().name("recordings".to_owned()).spawn(look) {
+            Ok(_) => Self::Looking(pending),
+            Err(error) => {
+                log::warn!("recordings cannot be listed: {error}");
+                Self::Unknown
+            }
+        };
     }
 
     pub fn take_in(&mut self) {
-        if let Some(files) = self.pending.as_ref().and_then(|pending| pending.try_recv().ok()) {
-            self.files = Some(files);
-            self.pending = None;
+        let Self::Looking(pending) = self else { return };
+        match pending.try_recv() {
+            Ok(files) => *self = Self::Known(files),
+            Err(TryRecvError::Disconnected) => *self = Self::Unknown,
+            Err(TryRecvError::Empty) => {}
         }
     }
 
-    /// The newest first; `None` until they are known.
-    pub fn files(&self) -> Option<&[Found]> {
-        self.files.as_deref()
+    /// What is said where no file is listed.
+    pub fn in_words(&self) -> Option<&'static str> {
+        match self {
+            Self::NoFolder => Some("There is no folder for them: name one in the recording settings."),
+            Self::Looking(_) => Some("Looking into the folder…"),
+            Self::Known(files) if files.is_empty() => {
+                Some("None yet: the first begins with the first module that is polled.")
+            }
+            Self::Known(_) => None,
+            Self::Unknown => Some("They cannot be listed at present – open the folder instead."),
+        }
+    }
+
+    pub fn files(&self) -> &[Found] {
+        if let Self::Known(files) = self { files } else { &[] }
     }
 }

@@ -13,13 +13,14 @@ const ZOOM_STEP: f32 = 0.1;
 
 /// The menu at the right end of the top row.
 pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
-    widgets::menu(ui, "Menu", "Menu", |ui| {
+    let menu = widgets::menu(ui, "Menu", "Menu", |ui| {
         // In a small window, or with large text, not all of it has room.
         let room = ui.ctx().content_rect().size() - vec2(4.0 * theme::GAP, 4.0 * theme::GAP + theme::TAB_HEIGHT);
         let area = ScrollArea::both().max_width(room.x).max_height(room.y);
         // A popup offers less height than there is.
         area.min_scrolled_width(room.x).min_scrolled_height(room.y).show(ui, |ui| columns(ui, pass));
     });
+    menu.on_hover_text("All commands with their keys, and how the window looks");
 }
 
 /// Three columns, because fewer would be higher than a small window.
@@ -84,14 +85,15 @@ fn looks(ui: &mut Ui, pass: &mut Pass<'_>) {
     widgets::section(ui, "Theme and temperatures");
     ui.horizontal(|ui| {
         for (choice, name) in ThemeChoice::ALL {
-            if ui.radio_value(&mut pass.settings.theme, choice, name).changed() {
+            let radio = ui.radio_value(&mut pass.settings.theme, choice, name);
+            if radio.on_hover_text("Light or dark colours of the window").changed() {
                 ui.ctx().set_theme(choice.preference());
             }
         }
     });
     ui.horizontal(|ui| {
         for unit in TemperatureUnit::ALL {
-            ui.radio_value(&mut pass.settings.temperature, unit, unit.symbol());
+            ui.radio_value(&mut pass.settings.temperature, unit, unit.symbol()).on_hover_text(unit.means());
         }
     });
     size(ui);

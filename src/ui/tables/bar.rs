@@ -28,13 +28,13 @@ pub enum Asked {
 /// Pause, Follow, Copy and Export; `files` are what can be exported.
 pub fn controls(ui: &mut Ui, scroll: &mut Scroll, has_choice: bool, files: &[Wanted]) -> Option<Asked> {
     let mut asked = None;
-    if widgets::chip(ui, scroll.paused, "Pause", "Pause") {
+    if widgets::chip(ui, scroll.paused, "Pause", "Pause", "The list stands still; what comes is kept for later") {
         scroll.paused = !scroll.paused;
     }
-    if widgets::chip(ui, scroll.is_following(), "Follow", "Follow") {
+    if widgets::chip(ui, scroll.is_following(), "Follow", "Follow", "The newest row stays in view") {
         if scroll.is_following() { scroll.at_end = false } else { scroll.follow() }
     }
-    widgets::menu(ui, "Copy", "Copy", |ui| {
+    let copy = widgets::menu(ui, "Copy", "Copy", |ui| {
         ui.set_min_width(theme::BUTTON_WIDTH);
         let copy = ui.add_enabled(has_choice, eframe::egui::Button::new("Chosen rows"));
         if copy.on_disabled_hover_text("Click a row first; with Shift, all up to it").clicked() {
@@ -46,7 +46,8 @@ pub fn controls(ui: &mut Ui, scroll: &mut Scroll, has_choice: bool, files: &[Wan
             ui.close();
         }
     });
-    widgets::menu(ui, "Export", "Export", |ui| {
+    copy.on_hover_text("As text, its columns parted by tabs");
+    let export = widgets::menu(ui, "Export", "Export", |ui| {
         ui.set_min_width(theme::BUTTON_WIDTH);
         for wanted in files {
             for form in Form::ALL {
@@ -61,6 +62,7 @@ pub fn controls(ui: &mut Ui, scroll: &mut Scroll, has_choice: bool, files: &[Wan
             }
         }
     });
+    export.on_hover_text("What is shown, as a file for other programs");
     asked
 }
 
@@ -95,6 +97,7 @@ pub fn search(ui: &mut Ui, text: &mut String, hint: &str) {
     let field = TextEdit::singleline(text).desired_width(theme::SEARCH_WIDTH).hint_text(hint);
     let response = ui.add(field);
     widgets::name_field(&response, "Search", text);
+    let response = response.on_hover_text("Shows only rows in which this text stands; Esc empties it");
     if response.has_focus() && ui.input(|input| input.key_pressed(eframe::egui::Key::Escape)) {
         text.clear();
     }

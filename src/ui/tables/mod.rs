@@ -6,6 +6,7 @@ mod events;
 mod export;
 mod follower;
 mod frames;
+pub mod meaning;
 mod scroll;
 mod selection;
 mod sheet;
@@ -19,7 +20,7 @@ pub use follower::Follower;
 pub use frames::{HEADER as FRAME_HEADER, as_row as frame_row, look as frame_look};
 pub use scroll::Scroll;
 pub use selection::Selection;
-pub use sheet::{Part, Sheet, copied};
+pub use sheet::{Part, Sheet, copied, copied_row};
 pub use table::{Act, Cell, Column, Line, Table};
 
 /// Rows put on the clipboard at once; more would hold the window up, and are what exports are for.

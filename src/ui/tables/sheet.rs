@@ -1,6 +1,6 @@
 //! Tables as text for a spreadsheet, and the menu and keys that copy them: the same wherever a table stands.
 
-use eframe::egui::{Context, Event, Response, Sense, Ui, text_selection::LabelSelectionState};
+use eframe::egui::{Context, Event, Id, Popup, Pos2, Rect, Response, Sense, Ui, text_selection::LabelSelectionState};
 
 /// A table as it is copied: a header, then the rows, their cells parted by tabs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,22 +41,68 @@ pub enum Part {
     Table,
 }
 
+impl Part {
+    /// Which of the two is meant.
+    pub fn of<T>(self, row: T, table: T) -> T {
+        match self {
+            Self::Row => row,
+            Self::Table => table,
+        }
+    }
+}
+
 /// Lets a row be copied by a right click, and by Ctrl+C where it has the focus, or where nothing else has it and the
 /// pointer is on the row.
 pub fn copied(response: &Response, sheet: impl Fn(Part) -> Sheet) {
     // Not focusable: a row that only shows something is no stop of the Tab key.
     let response = response.interact(Sense::CLICK);
-    response.context_menu(|ui| {
-        if let Some(part) = entries(ui) {
-            sheet(part).copy(ui.ctx());
-        }
-    });
-    let ctx = &response.ctx;
-    let is_meant = || match ctx.memory(|memory| memory.focused()) {
-        Some(focused) => focused == response.id,
-        None => response.hovered() && !has_selected_text(ctx),
-    };
-    if ctx.input(|input| input.events.contains(&Event::Copy)) && is_meant() {
+    response.context_menu(|ui| offer(ui, &sheet));
+    let focused = response.ctx.memory(|memory| memory.focused());
+    if focused.map_or(response.hovered(), |focused| focused == response.id) {
+        copy_typed(&response.ctx, focused.is_some(), &sheet);
+    }
+}
+
+/// The same for a row of several things that take clicks themselves, and for one inside a popup: of those egui remembers
+/// only one, which a menu of the usual kind would close.
+pub fn copied_row(ui: &Ui, row: Rect, id: Id, sheet: impl Fn(Part) -> Sheet) {
+    let response = ui.interact(row, id, Sense::hover());
+    let ctx = ui.ctx();
+    if response.contains_pointer() && ctx.input(|input| input.pointer.secondary_clicked()) {
+        let place = ctx.input(|input| input.pointer.interact_pos());
+        place.into_iter().for_each(|at| remember_menu(ctx, id, at));
+    }
+    if let Some(at) = menu_place(ctx, id) {
+        let mut open = true;
+        Popup::menu(&response).at_position(at).open_bool(&mut open).show(|ui| offer(ui, &sheet));
+        if open { remember_menu(ctx, id, at) } else { ctx.data_mut(|data| data.remove::<(Pos2, u64)>(id)) }
+    }
+    if response.contains_pointer() && ctx.memory(|memory| memory.focused()).is_none() {
+        copy_typed(ctx, false, &sheet);
+    }
+}
+
+/// Where the menu of a row is open; nowhere if the row was out of sight meanwhile.
+fn menu_place(ctx: &Context, id: Id) -> Option<Pos2> {
+    let (at, pass) = ctx.data(|data| data.get_temp::<(Pos2, u64)>(id))?;
+    (ctx.cumulative_pass_nr() <= pass.saturating_add(1)).then_some(at)
+}
+
+fn remember_menu(ctx: &Context, id: Id, at: Pos2) {
+    let pass = ctx.cumulative_pass_nr();
+    ctx.data_mut(|data| data.insert_temp(id, (at, pass)));
+}
+
+fn offer(ui: &mut Ui, sheet: &impl Fn(Part) -> Sheet) {
+    if let Some(part) = entries(ui) {
+        sheet(part).copy(ui.ctx());
+    }
+}
+
+/// Copies the row if that was typed; text that is marked goes before a row that is only pointed at.
+fn copy_typed(ctx: &Context, has_focus: bool, sheet: &impl Fn(Part) -> Sheet) {
+    let typed = ctx.input(|input| input.events.contains(&Event::Copy));
+    if typed && (has_focus || !has_selected_text(ctx)) {
         sheet(Part::Row).copy(ctx);
     }
 }

@@ -15,21 +15,23 @@ use crate::ui::widgets::{self, Glyph};
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
     pub title: &'static str,
+    /// What stands in it.
+    pub means: &'static str,
     pub width: Option<f32>,
     pub align: Align,
 }
 
 impl Column {
-    pub fn new(title: &'static str, width: f32) -> Self {
-        Self { title, width: Some(width), align: Align::Min }
+    pub fn new(title: &'static str, means: &'static str, width: f32) -> Self {
+        Self { title, means, width: Some(width), align: Align::Min }
     }
 
-    pub fn number(title: &'static str, width: f32) -> Self {
-        Self { align: Align::Max, ..Self::new(title, width) }
+    pub fn number(title: &'static str, means: &'static str, width: f32) -> Self {
+        Self { align: Align::Max, ..Self::new(title, means, width) }
     }
 
-    pub fn rest(title: &'static str) -> Self {
-        Self { title, width: None, align: Align::Min }
+    pub fn rest(title: &'static str, means: &'static str) -> Self {
+        Self { title, means, width: None, align: Align::Min }
     }
 }
 
@@ -224,11 +226,13 @@ fn first_from(rows: usize, wanted: u64, key: &dyn Fn(usize) -> Option<u64>) -> u
 
 fn header(mut row: TableRow<'_, '_>, columns: &[Column]) {
     for column in columns {
-        row.col(|ui| {
+        let (_, response) = row.col(|ui| {
             let palette = theme::palette(ui);
             let rect = ui.max_rect();
             widgets::line_in(ui, rect, column.align, column.title, theme::small(), palette.quiet);
         });
+        widgets::describe(&response, Role::ColumnHeader, column.title);
+        response.on_hover_text(column.means);
     }
 }
 

@@ -55,7 +55,11 @@ pub const STATUS_HEIGHT: f32 = 7.0 * UNIT;
 /// In less the choice of the line, and what is done with it, take two rows.
 pub const CONNECT_WIDTH: f32 = 200.0 * UNIT;
 pub const LIST_WIDTH: f32 = 60.0 * UNIT;
-pub const LIST_WIDTH_RANGE: std::ops::RangeInclusive<f32> = 50.0 * UNIT..=100.0 * UNIT;
+/// In a window that is `width` wide; a narrow one has more to show beside it.
+pub fn list_range(width: f32) -> std::ops::RangeInclusive<f32> {
+    let [least, most] = [50.0 * UNIT, 100.0 * UNIT];
+    least..=(width * 0.33).clamp(least, most)
+}
 pub const LINE_BOX_WIDTH: f32 = 56.0 * UNIT;
 pub const LINE_MENU_WIDTH: f32 = 90.0 * UNIT;
 pub const HOST_WIDTH: f32 = 38.0 * UNIT;
@@ -75,6 +79,8 @@ pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
 pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
 /// Height of the list of modules in the poll plan.
 pub const PLAN_HEIGHT: f32 = 90.0 * UNIT;
+/// How far below the window's top the plan opens.
+pub const PLAN_BELOW: f32 = 20.0 * UNIT;
 /// The panel of faults, and two of its columns.
 pub const FAULTS_WIDTH: f32 = 92.0 * UNIT;
 /// How far below the top bar it opens: the tabs and the header of a module stay free.
@@ -90,18 +96,23 @@ pub const NOTICES_HEIGHT: f32 = 80.0 * UNIT;
 pub const PATH_WIDTH: f32 = 90.0 * UNIT;
 /// Most room for the name of the line and its state.
 pub const LINE_STATE_WIDTH: f32 = 50.0 * UNIT;
+/// In less the status bar leaves out the figures of the line.
+pub const STATUS_WIDE: f32 = 225.0 * UNIT;
 pub const RATE_WIDTH: f32 = 29.0 * UNIT;
 pub const ERRORS_WIDTH: f32 = 20.0 * UNIT;
 pub const ANSWER_WIDTH: f32 = 24.0 * UNIT;
 /// How the recording fares, and what a click there shows.
 pub const RECORDING_WIDTH: f32 = 56.0 * UNIT;
 pub const RECORDING_MENU: f32 = 90.0 * UNIT;
+/// Room for what is known of the recording, and for the newest files; the least is one of them.
+pub const RECORDING_FACTS: f32 = 18.0 * UNIT;
+pub const RECENT_HEIGHT: f32 = 44.0 * UNIT;
+pub const RECENT_LEAST: f32 = 11.0 * UNIT;
 /// The dialog that exports readings: its list, a field for a time, and what tells how far a file is.
 pub const EXPORT_WIDTH: f32 = 120.0 * UNIT;
 pub const EXPORT_LIST: f32 = 40.0 * UNIT;
 pub const EXPORT_ROW: f32 = 12.0 * UNIT;
 pub const MOMENT_FIELD: f32 = 38.0 * UNIT;
-pub const RECENT_HEIGHT: f32 = 44.0 * UNIT;
 
 /// The table of all modules: height of a line, and least widths of its columns.
 pub const TABLE_ROW: f32 = 7.0 * UNIT;

@@ -48,6 +48,7 @@ impl Chooser {
         let field = TextEdit::singleline(&mut self.search).desired_width(f32::INFINITY).hint_text("Search series");
         let response = ui.add(field);
         widgets::name_field(&response, "Search series", &self.search);
+        response.on_hover_text("Shows only series with this in their module or name");
         let curves: Vec<Curve<'_>> = Curve::all(history, unit).collect();
         quick(ui, history, choice, &curves);
         ui.add_space(theme::UNIT);
@@ -97,7 +98,7 @@ fn quick(ui: &mut Ui, history: &History, choice: &mut Choice, curves: &[Curve<'_
     ui.horizontal(|ui| {
         for (text, name, ids) in kinds.iter().filter(|(_, _, ids)| !ids.is_empty()) {
             let on = ids.iter().all(|id| choice.get(*id).is_some());
-            if widgets::chip(ui, on, text, name) {
+            if widgets::chip(ui, on, text, name, "Those of all modules in the plots, or none of them") {
                 choice.toggle_all(history, ids);
             }
         }

@@ -15,7 +15,7 @@ use crate::record::{
 };
 use crate::ui::app::Pass;
 use crate::ui::saving::SaveAs;
-use crate::ui::tables::{self, Act, Asked, Cell, Column, Form, Line, Scroll, Selection, Sheet, Table, Wanted};
+use crate::ui::tables::{self, Act, Asked, Cell, Column, Form, Line, Scroll, Selection, Sheet, Table, Wanted, meaning};
 use crate::ui::theme::{self, Palette};
 use crate::ui::widgets::{self, Glyph};
 use crate::ui::words;
@@ -134,17 +134,20 @@ impl EventList {
             }
         });
         widgets::name_combo(&combo.response, "Events of", chosen);
+        combo.response.on_hover_text("Only what happened with this module");
     }
 
     fn filter_row(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = theme::UNIT;
-            if widgets::chip(ui, self.only_in_view, "In view", "Only the span in view") {
+            let means = "Only what happened within the time that the plots show";
+            if widgets::chip(ui, self.only_in_view, "In view", "Only the span in view", means) {
                 self.only_in_view = !self.only_in_view;
             }
             for kind in EventKind::ALL {
                 let is_chosen = self.filter.kinds.contains(&kind);
-                if widgets::chip(ui, is_chosen, kind.label(), kind.label()) && !self.filter.kinds.remove(&kind) {
+                let chip = widgets::chip(ui, is_chosen, kind.label(), kind.label(), meaning::ONLY_KIND);
+                if chip && !self.filter.kinds.remove(&kind) {
                     self.filter.kinds.insert(kind);
                 }
             }
@@ -154,10 +157,10 @@ impl EventList {
     fn table(&mut self, ui: &mut Ui, source: &Source<'_>, shown: &Range<usize>, look: &Look<'_>) -> Option<Act> {
         let time = if look.utc { "Time (UTC)" } else { "Time" };
         let columns = [
-            Column::new(time, theme::MOMENT_COLUMN),
-            Column::new("Module", theme::MODULE_COLUMN),
-            Column::new("Kind", theme::STATE_COLUMN),
-            Column::rest("Event"),
+            Column::new(time, meaning::TIME, theme::MOMENT_COLUMN),
+            Column::new("Module", meaning::MODULE, theme::MODULE_COLUMN),
+            Column::new("Kind", meaning::KIND, theme::STATE_COLUMN),
+            Column::rest("Event", meaning::EVENT),
         ];
         let rows = &self.rows;
         let at = |row: usize| rows.get(shown.start.saturating_add(row));

@@ -165,7 +165,7 @@ impl TrendView {
         let lines = ["Tick what is to be drawn in the list at the left."];
         ui.vertical(|ui| {
             widgets::empty_state(ui, palette, "Nothing is chosen", &lines);
-            if ui.button("Show the list").clicked() {
+            if ui.button("Show the list").on_hover_text("All series that can be shown, at the left").clicked() {
                 self.chooser.set_open(true);
             }
         });
@@ -203,7 +203,8 @@ fn nothing_yet(ui: &mut Ui, source: &Source<'_>, pass: &mut Pass<'_>) {
         if can_poll { "Open a module in the list to poll it, or poll all of them." } else { "Scan a line first." };
     let lines = [first, "Every reading and every state that is polled can be drawn here, of any modules together."];
     widgets::empty_state(ui, palette, "Nothing was measured yet", &lines);
-    if can_poll && ui.button("Poll all modules").clicked() {
+    let poll = |ui: &mut Ui| ui.button("Poll all modules").on_hover_text("Asks each again and again for its readings");
+    if can_poll && poll(ui).clicked() {
         pass.actions.push(Action::PollAll(true));
     }
 }

@@ -15,6 +15,20 @@ use crate::ui::{theme, widgets, words};
 
 const COLUMNS: [&str; 11] =
     ["Pointer", "A", "B", "B − A", "Lowest", "Highest", "Mean", "Times on", "Time on", "Observed", "Samples"];
+/// What stands in each.
+const MEANINGS: [&str; COLUMNS.len()] = [
+    "Value at the pointer",
+    "Value at cursor A",
+    "Value at cursor B",
+    "How much the value changes from A to B",
+    "Lowest sample",
+    "Highest sample",
+    "Mean of the samples",
+    "How often it went on",
+    "For how long it was on",
+    "For how long its value is known",
+    "How many samples there are",
+];
 
 /// Everything that the table says, in the words in which it is copied too.
 struct Row {
@@ -61,15 +75,16 @@ impl Table<'_> {
             builder = builder.column(Room::exact(width).clip(true));
         }
         let table = builder.header(theme::LIST_ROW, |mut row| {
-            row.col(|ui| {
-                let (rect, colour) = (ui.max_rect(), theme::palette(ui).quiet);
-                widgets::line_in(ui, rect, Align::Min, "Series", theme::small(), colour);
-            });
-            for name in COLUMNS {
-                row.col(|ui| {
+            let mut column = |name: &str, align: Align, means: &str| {
+                let (_, response) = row.col(|ui| {
                     let (rect, colour) = (ui.max_rect(), theme::palette(ui).quiet);
-                    widgets::line_in(ui, rect, Align::Max, name, theme::small(), colour);
+                    widgets::line_in(ui, rect, align, name, theme::small(), colour);
                 });
+                response.on_hover_text(means);
+            };
+            column("Series", Align::Min, "Module and reading");
+            for (name, means) in COLUMNS.into_iter().zip(MEANINGS) {
+                column(name, Align::Max, means);
             }
         });
         table.body(|body| {
@@ -104,7 +119,8 @@ impl Table<'_> {
             [Some(a), Some(b)] => exact_span(b - a),
             _ => words::UNKNOWN.to_owned(),
         };
-        widgets::fixed(ui, theme::VALUES_CURSOR + theme::VALUES_COLUMN, Align::Min, &format!("B − A {difference}"));
+        widgets::fixed(ui, theme::VALUES_CURSOR + theme::VALUES_COLUMN, Align::Min, &format!("B − A {difference}"))
+            .on_hover_text("The time from cursor A to cursor B");
         let of = if self.cursors.span().is_some() { "Figures between A and B" } else { "Figures of the time in view" };
         widgets::quiet(ui, of);
         let mut clear = false;
@@ -113,6 +129,7 @@ impl Table<'_> {
                 self.sheet(None).copy(ui.ctx());
             }
             let button = ui.add_enabled(self.cursors.any(), eframe::egui::Button::new("Clear cursors"));
+            let button = button.on_hover_text("Takes both cursors out of the plots");
             clear = button.on_disabled_hover_text("Click into the plots to place one").clicked();
         });
         clear

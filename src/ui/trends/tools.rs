@@ -14,7 +14,8 @@ pub fn show(ui: &mut Ui, view: &mut TrendView, settings: &mut Settings, known: [
     let wide = room >= theme::TREND_TOOLS;
     ui.horizontal(|ui| {
         let open = view.chooser.is_open(room);
-        if widgets::chip(ui, open, "Series", "List of series") {
+        if widgets::chip(ui, open, "Series", "List of series", "What can be shown, to be ticked or dragged into a plot")
+        {
             view.chooser.set_open(!open);
         }
         time(ui, view, known);
@@ -30,10 +31,11 @@ pub fn show(ui: &mut Ui, view: &mut TrendView, settings: &mut Settings, known: [
 /// What does not move time.
 fn others(ui: &mut Ui, view: &mut TrendView, settings: &mut Settings, known: [f64; 2]) {
     ui.spacing_mut().item_spacing.x = theme::UNIT;
-    if widgets::chip(ui, view.events_open, "Events", "List of events") {
+    if widgets::chip(ui, view.events_open, "Events", "List of events", "What happened, as a list below the plots") {
         view.events_open = !view.events_open;
     }
-    if widgets::chip(ui, view.table_open, "Values", "Table of values") {
+    let means = "Values at the pointer and the cursors, and lowest, highest and mean of the time between";
+    if widgets::chip(ui, view.table_open, "Values", "Table of values", means) {
         view.table_open = !view.table_open;
     }
     if ui.button("Export…").on_hover_text("Readings as CSV, JSON Lines or Parquet").clicked() {
@@ -98,7 +100,7 @@ fn zone(ui: &mut Ui, settings: &mut Settings, known: [f64; 2]) {
 }
 
 fn picture(ui: &mut Ui, view: &mut TrendView) {
-    widgets::menu(ui, "Picture", "Picture", |ui| {
+    let picture = widgets::menu(ui, "Picture", "Picture", |ui| {
         for wanted in Wanted::ALL {
             if ui.button(wanted.text()).clicked() {
                 view.pictures.ask(wanted);
@@ -106,4 +108,5 @@ fn picture(ui: &mut Ui, view: &mut TrendView) {
             }
         }
     });
+    picture.on_hover_text("The plots as they are, as a file or to be pasted");
 }

@@ -38,7 +38,8 @@ impl Calibration {
         let typed = self.typed.entry(offset.id.clone()).or_default();
         ui.horizontal(|ui| {
             let palette = theme::palette(ui);
-            widgets::fixed_coloured(ui, theme::FORM_LABEL, Align::Min, "The reference shows", palette.quiet);
+            widgets::fixed_coloured(ui, theme::FORM_LABEL, Align::Min, "The reference shows", palette.quiet)
+                .on_hover_text(REFERENCE);
             let entered = field(ui, offset, typed);
             widgets::fixed_coloured(ui, theme::FORM_UNIT, Align::Min, unit, palette.quiet);
             let outcome = outcome(module, pass, offset, &series, typed, unit);
@@ -67,6 +68,9 @@ fn reference_unit(offset: &Item, chosen: TemperatureUnit) -> &str {
     }
 }
 
+const REFERENCE: &str = "What a reference instrument shows beside the module; the offset that makes the reading the same follows \
+                         from it";
+
 /// True if Enter was pressed in it.
 fn field(ui: &mut Ui, offset: &Item, typed: &mut String) -> bool {
     let (cell, _) = ui.allocate_exact_size(vec2(theme::FORM_EDITOR, theme::CONTROL_HEIGHT), Sense::hover());
@@ -77,6 +81,7 @@ fn field(ui: &mut Ui, offset: &Item, typed: &mut String) -> bool {
         .align(eframe::egui::Align2::RIGHT_CENTER);
     let response = ui.add(edit);
     widgets::name_field(&response, &format!("Reference for {}", offset.label), typed);
+    let response = response.on_hover_text(REFERENCE);
     let (escaped, entered) = ui.input(|input| (input.key_pressed(Key::Escape), input.key_pressed(Key::Enter)));
     if response.lost_focus() && escaped {
         typed.clear();

@@ -54,4 +54,5 @@ fn in_other_unit(ui: &Ui, room: Rect, twin: &Series<'_>, freshness: Freshness) {
     let place = Rect::from_min_max(place.min, pos2(room.right(), place.bottom()));
     let response = ui.interact(place, ui.scope_id().with((twin.stem, "other unit")), Sense::hover());
     widgets::describe(&response, Role::Label, &format!("{} in {}: {text}", twin.label, twin.unit));
+    response.on_hover_text(&twin.item.help);
 }

@@ -89,7 +89,7 @@ impl CommandLine {
                 }
             }
             let button = Button::new("Send").min_size(eframe::egui::vec2(theme::BUTTON_WIDTH, theme::CONTROL_HEIGHT));
-            let button = ui.add_enabled(sendable, button).on_hover_text("Enter");
+            let button = ui.add_enabled(sendable, button).on_hover_text("Sends it once (Enter)");
             entered |= button.on_disabled_hover_text(obstacle.unwrap_or("Write a command first")).clicked();
         });
         entered
@@ -107,6 +107,8 @@ impl CommandLine {
         let edit = TextEdit::singleline(&mut self.text).id(id).font(TextStyle::Monospace).hint_text(hint);
         let response = ui.add(edit.desired_width(width));
         widgets::name_field(&response, "Command", &self.text);
+        let response =
+            response.on_hover_text("What is sent to the module; arrow up and down bring back what was sent before");
         if response.changed() {
             self.history.edited();
             self.stepping = false;
@@ -168,7 +170,7 @@ impl CommandLine {
             let palette = theme::palette(ui);
             widgets::glyph(ui, Glyph::Outline, palette.warning);
             if let Some(better) = hint.better
-                && ui.button(format!("Use {better}")).clicked()
+                && ui.button(format!("Use {better}")).on_hover_text("Puts this into the command line").clicked()
             {
                 self.put(better);
             }
@@ -211,7 +213,7 @@ impl CommandLine {
         if module.console.is_repeating() {
             let button = ui.add(Button::new("Stop").min_size(size));
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Stop repeating"));
-            if button.clicked() {
+            if button.on_hover_text("Ends the repeating").clicked() {
                 pass.actions.push(Action::StopRaw(module.target));
             }
             return;

@@ -51,10 +51,12 @@ impl Exchanges {
             }
             widgets::at_right(ui, |ui| {
                 let any = !log.is_empty();
-                if ui.add_enabled(any, egui::Button::new("Clear").frame_when_inactive(false)).clicked() {
+                let clear = ui.add_enabled(any, egui::Button::new("Clear").frame_when_inactive(false));
+                if clear.on_hover_text("Forgets the exchanges with this module").clicked() {
                     pass.actions.push(Action::ClearExchanges(module.target));
                 }
-                if ui.add_enabled(any, egui::Button::new("Copy all").frame_when_inactive(false)).clicked() {
+                let copy = ui.add_enabled(any, egui::Button::new("Copy all").frame_when_inactive(false));
+                if copy.on_hover_text("All exchanges as text, with what they mean").clicked() {
                     let all: Vec<String> = log.iter().map(|exchange| as_text(module, exchange)).collect();
                     ui.ctx().copy_text(all.join("\n"));
                 }
@@ -87,7 +89,7 @@ impl Exchanges {
             );
             let name = format!("Details of {}", exchange.sent);
             toggle.widget_info(|| WidgetInfo::selected(Role::Button, true, open, &name));
-            if toggle.clicked() {
+            if toggle.on_hover_text("The fields of the answer, one by one").clicked() {
                 self.open.insert(exchange.id, !open);
             }
             let when = widgets::fixed_coloured(ui, theme::EXCHANGE_TIME, Align::Min, &time(exchange), palette.quiet);
@@ -102,7 +104,7 @@ impl Exchanges {
             widgets::at_right(ui, |ui| {
                 let copy = ui.add(egui::Button::new("Copy").small().frame_when_inactive(false));
                 copy.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Copy {}", exchange.sent)));
-                if copy.clicked() {
+                if copy.on_hover_text("This exchange as text, with what it means").clicked() {
                     ui.ctx().copy_text(as_text(module, exchange));
                 }
                 if let Some(took) = exchange.took {

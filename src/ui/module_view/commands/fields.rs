@@ -81,6 +81,7 @@ fn show_field(ui: &mut Ui, field: &ReferenceField, text: &mut String) {
                 }
             });
             widgets::name_combo(&response.response, &part.label, shown);
+            response.response.on_hover_text(&part.allowed);
         });
     }
 }

@@ -34,6 +34,15 @@ enum Page {
 }
 
 impl Page {
+    fn means(self) -> &'static str {
+        match self {
+            Self::Console => "A command as it is typed, and what was exchanged",
+            Self::Reference => "The commands of the manual, with a form that fills each in",
+            Self::Modbus => "Modbus requests by function and register, and what lives in each register",
+            Self::Script => "Several commands one after the other, with pauses and repetitions",
+        }
+    }
+
     const ALL: [(Self, &'static str); 4] = [
         (Self::Console, "Console"),
         (Self::Reference, "Reference"),
@@ -124,7 +133,7 @@ impl Commands {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = theme::UNIT;
             for (other, label) in pages {
-                if widgets::chip(ui, *other == page, label, &format!("{label} page")) {
+                if widgets::chip(ui, *other == page, label, &format!("{label} page"), other.means()) {
                     self.page = Some(*other);
                 }
             }

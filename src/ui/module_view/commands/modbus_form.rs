@@ -1,6 +1,8 @@
 //! Raw Modbus by function and register, with the names of what lives there, and the table of registers to pick from.
 
-use eframe::egui::{Align, Button, Role, Sense, TextEdit, TextStyle, Ui, WidgetInfo};
+use std::slice;
+
+use eframe::egui::{Align, Button, Response, Role, Sense, TextEdit, TextStyle, Ui, WidgetInfo};
 
 use super::reference::search_field;
 use super::{Wish, line_size, scrolled, sending};
@@ -8,6 +10,7 @@ use crate::bench::Module;
 use crate::bench::console::{FormFunction, ModbusForm, Numbering, RawCommand, RegisterEntry, search_registers};
 use crate::protocol::Protocol;
 use crate::ui::app::Pass;
+use crate::ui::tables::{Sheet, copied};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -36,7 +39,7 @@ impl ModbusPage {
 
     fn function(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            name(ui, "Function");
+            name(ui, "Function", FUNCTION);
             let width = (ui.available_width() - theme::GAP).min(theme::FORM_LABEL);
             let response = widgets::combo("function", width, self.form.function.label()).show_ui(ui, |ui| {
                 for function in FormFunction::ALL {
@@ -44,41 +47,50 @@ impl ModbusPage {
                 }
             });
             widgets::name_combo(&response.response, "Function", self.form.function.label());
+            response.response.on_hover_text(FUNCTION);
         });
     }
 
     fn fields(&mut self, ui: &mut Ui) {
         if self.form.function == FormFunction::Custom {
             ui.horizontal(|ui| {
-                name(ui, "Code");
-                field(ui, &mut self.form.custom_code, "Function code", theme::NUMBER_FIELD);
+                let means = "Function code of the request in hexadecimal, such as 46";
+                name(ui, "Code", means);
+                field(ui, &mut self.form.custom_code, ("Function code", means), theme::NUMBER_FIELD);
                 widgets::quiet(ui, "hexadecimal, data");
                 let width = ui.available_width() - theme::GAP;
-                field(ui, &mut self.form.custom_data, "Data bytes", width);
+                let means = "What follows the function code, in hexadecimal; the CRC is added";
+                field(ui, &mut self.form.custom_data, ("Data bytes", means), width);
             });
             ui.allocate_exact_size(line_size(ui), Sense::hover());
             return;
         }
         ui.horizontal(|ui| {
-            name(ui, "First");
-            field(ui, &mut self.form.first, "First", theme::NUMBER_FIELD);
+            let means = "The first coil or register that is meant";
+            name(ui, "First", means);
+            field(ui, &mut self.form.first, ("First", means), theme::NUMBER_FIELD);
             ui.spacing_mut().item_spacing.x = theme::UNIT;
-            let numberings = [(Numbering::Register, "register, from 1"), (Numbering::Wire, "wire, from 0")];
-            for (numbering, text) in numberings {
-                if widgets::chip(ui, self.form.numbering == numbering, text, text) {
+            let numberings = [
+                (Numbering::Register, "register, from 1", "As the manuals count"),
+                (Numbering::Wire, "wire, from 0", "As the number is sent, one less than the manuals' own"),
+            ];
+            for (numbering, text, means) in numberings {
+                if widgets::chip(ui, self.form.numbering == numbering, text, text, means) {
                     self.form.count_from(numbering);
                 }
             }
         });
         ui.horizontal(|ui| {
             if self.form.function.is_read() {
-                name(ui, "Count");
-                field(ui, &mut self.form.count, "Count", theme::NUMBER_FIELD);
+                let means = "How many are read in one request";
+                name(ui, "Count", means);
+                field(ui, &mut self.form.count, ("Count", means), theme::NUMBER_FIELD);
                 widgets::quiet(ui, &format!("1 to {}", self.form.function.most()));
             } else {
-                name(ui, "Values");
+                let means = "What is written, from the first one on";
+                name(ui, "Values", means);
                 let width = ui.available_width() - theme::GAP;
-                field(ui, &mut self.form.values, "Values", width);
+                field(ui, &mut self.form.values, ("Values", means), width);
             }
         });
     }
@@ -111,8 +123,10 @@ impl ModbusPage {
             } else if found.is_empty() {
                 widgets::quiet(ui, "No register has all of these words – use fewer");
             }
-            for entry in found {
-                if row(ui, entry) {
+            for entry in &found {
+                let response = row(ui, entry);
+                copied(&response, |part| sheet(part.of(slice::from_ref(entry), found.as_slice())));
+                if response.clicked() {
                     self.form = ModbusForm { numbering: Numbering::Register, ..ModbusForm::reading(entry) };
                 }
             }
@@ -120,8 +134,29 @@ impl ModbusPage {
     }
 }
 
-/// A register with both numbers and what is there; true if it was picked.
-fn row(ui: &mut Ui, entry: &RegisterEntry) -> bool {
+/// Registers as they are copied.
+fn sheet(entries: &[&RegisterEntry]) -> Sheet {
+    let mut sheet = Sheet::new(["Kind", "Number", "Wire", "Name", "Access", "Used by", "Manual"]);
+    for entry in entries {
+        sheet.push([
+            entry.space.noun(),
+            &numbers_of(entry),
+            &entry.wire().to_string(),
+            &entry.label,
+            access(entry),
+            &entry.items.join(", "),
+            &entry.source,
+        ]);
+    }
+    sheet
+}
+
+fn access(entry: &RegisterEntry) -> &'static str {
+    if entry.writable { "read, write" } else { "read" }
+}
+
+/// A register with both numbers and what is there; a click picks it.
+fn row(ui: &mut Ui, entry: &RegisterEntry) -> Response {
     let palette = theme::palette(ui);
     let (rect, response) = ui.allocate_exact_size(line_size(ui), Sense::click());
     if response.hovered() || response.has_focus() {
@@ -131,14 +166,13 @@ fn row(ui: &mut Ui, entry: &RegisterEntry) -> bool {
     let (numbers, rest) = inner.split_left_right_at_x(inner.left() + theme::REGISTER_NUMBERS);
     let text = format!("{} {}  (wire {})", entry.space.noun(), numbers_of(entry), entry.wire());
     widgets::line_in(ui, numbers, Align::Min, &text, theme::small(), palette.quiet);
-    let access = if entry.writable { "read, write" } else { "read" };
-    let access_width = widgets::line_in(ui, rest, Align::Max, access, theme::small(), palette.quiet).width();
+    let access_width = widgets::line_in(ui, rest, Align::Max, access(entry), theme::small(), palette.quiet).width();
     let rest = rest.with_min_x(rest.left() + theme::UNIT).with_max_x(rest.right() - access_width - theme::GAP);
     widgets::line_in(ui, rest, Align::Min, &entry.label, theme::body(), palette.text);
     let name = format!("{text}: {}", entry.items.join(", "));
     widgets::describe(&response, Role::ListItem, &name);
     let manual = if entry.source.is_empty() { String::new() } else { format!("\nManual {}", entry.source) };
-    response.on_hover_text(format!("{}\n{}{manual}", entry.label, entry.items.join(", "))).clicked()
+    response.on_hover_text(format!("{}\n{}{manual}", entry.label, entry.items.join(", ")))
 }
 
 fn numbers_of(entry: &RegisterEntry) -> String {
@@ -158,7 +192,9 @@ fn buttons(ui: &mut Ui, module: &Module, pass: &Pass<'_>, request: Result<RawCom
         let button = ui.add_enabled(request.is_ok() && obstacle.is_none(), Button::new("Send"));
         button.widget_info(|| WidgetInfo::labeled(Role::Button, button.enabled(), "Send the request"));
         let button = button.on_disabled_hover_text(obstacle.unwrap_or_else(|| "Put the fields right first".to_owned()));
+        let button = button.on_hover_text("Sends it once, as it stands at the right");
         let put = ui.add_enabled(request.is_ok(), Button::new("Put into the command line"));
+        let put = put.on_hover_text("To be changed there before it is sent");
         let preview = request.as_ref().map(|command| sending::preview(module, command)).unwrap_or_default();
         let (rect, response) = ui.allocate_exact_size(line_size(ui), Sense::hover());
         widgets::line_in(ui, rect, Align::Min, &preview, theme::small_mono(), palette.quiet);
@@ -175,13 +211,16 @@ fn buttons(ui: &mut Ui, module: &Module, pass: &Pass<'_>, request: Result<RawCom
     wish
 }
 
-fn name(ui: &mut Ui, text: &str) {
+const FUNCTION: &str = "What is asked for, by its Modbus function";
+
+fn name(ui: &mut Ui, text: &str, means: &str) {
     let colour = theme::palette(ui).quiet;
-    widgets::fixed_coloured(ui, theme::NUMBER_FIELD, Align::Min, text, colour);
+    widgets::fixed_coloured(ui, theme::NUMBER_FIELD, Align::Min, text, colour).on_hover_text(means);
 }
 
-fn field(ui: &mut Ui, text: &mut String, name: &str, width: f32) {
+fn field(ui: &mut Ui, text: &mut String, (name, means): (&str, &str), width: f32) {
     let edit = TextEdit::singleline(text).font(TextStyle::Monospace).desired_width(width - theme::FIELD_MARGIN);
     let response = ui.add(edit);
     widgets::name_field(&response, name, text);
+    response.on_hover_text(means);
 }

@@ -1,6 +1,8 @@
 //! The reference of the module's commands: searchable, each with what the manual says and a form that fills it in.
 
-use eframe::egui::{Align, Button, Label, RichText, Role, Sense, TextEdit, Ui, WidgetInfo};
+use std::slice;
+
+use eframe::egui::{Align, Button, Label, Response, RichText, Role, Sense, TextEdit, Ui, WidgetInfo};
 
 use super::{Wish, fields, line_size, scrolled, sending};
 use crate::bench::Module;
@@ -8,6 +10,7 @@ use crate::bench::console::{Direction, RawCommand, ReferenceEntry, search};
 use crate::module::Fields;
 use crate::protocol::Protocol;
 use crate::ui::app::Pass;
+use crate::ui::tables::{Sheet, copied};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
@@ -38,9 +41,11 @@ impl ReferencePage {
             } else if found.is_empty() {
                 widgets::quiet(ui, "No command has all of these words – use fewer");
             }
-            for entry in first.into_iter().chain(then) {
+            let shown: Vec<&ReferenceEntry> = first.into_iter().chain(then).collect();
+            for entry in &shown {
                 ui.push_id(&entry.id, |ui| {
-                    self.title(ui, entry);
+                    let title = self.title(ui, entry);
+                    copied(&title, |part| sheet(part.of(slice::from_ref(entry), shown.as_slice())));
                     if self.open.as_ref() == Some(&entry.id) {
                         wish = self.details(ui, module, pass, entry).or(wish.take());
                     }
@@ -50,7 +55,7 @@ impl ReferencePage {
         wish
     }
 
-    fn title(&mut self, ui: &mut Ui, entry: &ReferenceEntry) {
+    fn title(&mut self, ui: &mut Ui, entry: &ReferenceEntry) -> Response {
         let palette = theme::palette(ui);
         let (rect, response) = ui.allocate_exact_size(line_size(ui), Sense::click());
         let open = self.open.as_ref() == Some(&entry.id);
@@ -65,11 +70,13 @@ impl ReferencePage {
         let left = inner.with_max_x(inner.right() - width - theme::GAP);
         widgets::line_in(ui, left, Align::Min, &entry.title, theme::body(), palette.text);
         response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, open, &entry.title));
+        let hover = [entry.title.as_str(), syntax, entry.note.as_str()].join("\n");
         if response.clicked() {
             self.open = Some(entry.id.clone()).filter(|_| !open);
             self.direction = None;
             self.texts.clear();
         }
+        response.on_hover_text(hover)
     }
 
     fn details(&mut self, ui: &mut Ui, module: &Module, pass: &Pass<'_>, entry: &ReferenceEntry) -> Option<Wish> {
@@ -102,7 +109,8 @@ impl ReferencePage {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = theme::UNIT;
             for (other, word) in [(Direction::Read, "Read"), (Direction::Write, "Write")] {
-                if widgets::chip(ui, direction == other, word, &format!("{word} with this command")) {
+                let means = "The command both reads and writes, in two forms";
+                if widgets::chip(ui, direction == other, word, &format!("{word} with this command"), means) {
                     direction = other;
                 }
             }
@@ -115,6 +123,7 @@ impl ReferencePage {
 pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) {
     let response = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(ui.available_width() - theme::GAP));
     widgets::name_field(&response, name, text);
+    response.on_hover_text(format!("Shows what has all of these words: {hint}"));
 }
 
 /// Commands of another protocol are listed too, but the module does not answer them.
@@ -126,6 +135,25 @@ fn note_of_protocol(ui: &mut Ui, module: &Module) {
     };
     let colour = theme::palette(ui).quiet;
     sending::told(ui, Glyph::Outline, colour, text);
+}
+
+/// Commands as they are copied.
+fn sheet(entries: &[&ReferenceEntry]) -> Sheet {
+    let mut sheet = Sheet::new(["Command", "Read", "Write", "Answer", "Manual", "Note", "Used by", "Id"]);
+    for entry in entries {
+        let syntax = |syntax: &Option<String>| syntax.clone().unwrap_or_default();
+        sheet.push([
+            &entry.title,
+            &syntax(&entry.syntax_read),
+            &syntax(&entry.syntax_write),
+            &entry.answers.join("  or  "),
+            &entry.source,
+            &entry.note,
+            &entry.items.join(", "),
+            &entry.id,
+        ]);
+    }
+    sheet
 }
 
 /// What the manual says.
@@ -174,7 +202,9 @@ fn finish(
         let button = ui.add_enabled(command.is_ok() && obstacle.is_none(), Button::new("Send"));
         button.widget_info(|| WidgetInfo::labeled(Role::Button, button.enabled(), format!("Send: {}", entry.title)));
         let button = button.on_disabled_hover_text(obstacle.unwrap_or_else(|| "Fill in the fields first".to_owned()));
+        let button = button.on_hover_text("Sends it once, as it stands at the right");
         let put = ui.add_enabled(command.is_ok(), Button::new("Put into the command line"));
+        let put = put.on_hover_text("To be changed there before it is sent");
         if put.clicked() {
             wish = Some(Wish::Line(shown.to_owned()));
         }

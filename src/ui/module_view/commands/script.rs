@@ -57,7 +57,7 @@ impl ScriptPage {
             if module.console.is_running() {
                 let button = ui.add(Button::new("Stop").min_size(size));
                 button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Stop the script"));
-                if button.clicked() {
+                if button.on_hover_text("Ends it before the next line").clicked() {
                     pass.actions.push(Action::StopRaw(module.target));
                 }
             } else {
@@ -65,6 +65,7 @@ impl ScriptPage {
                 let runs = parsed.as_ref().is_ok_and(|script| !script.is_empty()) && obstacle.is_none();
                 let button = ui.add_enabled(runs, Button::new("Run").min_size(size));
                 let reason = obstacle.unwrap_or_else(|| "Put the script right first".to_owned());
+                let button = button.on_hover_text("Sends line after line, each after the answer to the one before");
                 if button.on_disabled_hover_text(reason).clicked()
                     && let Ok(script) = parsed
                 {
@@ -87,7 +88,7 @@ impl ScriptPage {
         if scripts.is_empty() {
             return;
         }
-        widgets::menu(ui, "Recent", "Recent scripts", |ui| {
+        let recent = widgets::menu(ui, "Recent", "Recent scripts", |ui| {
             ui.set_width(theme::SCAN_MENU_WIDTH);
             for script in scripts.iter().take(OFFERED) {
                 let title = script.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
@@ -99,6 +100,7 @@ impl ScriptPage {
                 }
             }
         });
+        recent.on_hover_text("Scripts that were run before, to be put into the editor");
     }
 
     fn marked(&self, running: Option<&Running>, parsed: &Result<Script, ScriptError>) -> Option<Marked> {

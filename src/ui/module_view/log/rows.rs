@@ -28,6 +28,15 @@ impl Mode {
             Self::Both => "Both",
         }
     }
+
+    /// What it shows.
+    pub fn means(self) -> &'static str {
+        match self {
+            Self::Events => "What happened with this module",
+            Self::Communication => "Every frame to this module and from it",
+            Self::Both => "Events and frames in one list, by time",
+        }
+    }
 }
 
 /// Which rows are shown.

@@ -83,6 +83,7 @@ fn row(ui: &Ui, rect: Rect, series: &Series<'_>, view: &TimeView, palette: &Pale
     widgets::line_in(ui, text, Align::Min, &words, theme::small(), palette.text);
     let response = ui.interact(rect, ui.scope_id().with(("history", series.stem)), Sense::hover());
     widgets::describe(&response, Role::Label, &format!("{} in the last hour: {words}", series.label));
+    response.on_hover_text(&series.item.help);
 }
 
 fn grid(ui: &Ui, all: Rect, view: &TimeView, palette: &Palette) {

@@ -73,7 +73,7 @@ fn relay(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, series: &Series<'_>)
 /// Name, and how old the state is.
 fn heading(ui: &mut Ui, module: &Module, series: &Series<'_>, pass: &Pass<'_>, palette: &Palette) {
     ui.horizontal(|ui| {
-        ui.label(egui::RichText::new(series.label).color(palette.text).strong());
+        ui.label(egui::RichText::new(series.label).color(palette.text).strong()).on_hover_text(&series.item.help);
         let age = match series.freshness(module, pass.bench.now()) {
             Freshness::Old(age) => format!("{} old", words::age(age)),
             Freshness::Unknown => "not known".to_owned(),

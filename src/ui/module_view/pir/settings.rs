@@ -74,6 +74,7 @@ fn slider(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, item: &Item, range:
         let mut value = wanted.unwrap_or(min);
         let response = ui.add_enabled(wanted.is_some() && !busy, Slider::new(&mut value, range).show_value(false));
         response.widget_info(|| eframe::egui::WidgetInfo::slider(true, value as f64, format!("{} slider", item.label)));
+        let response = response.on_hover_text(&item.help);
         if response.changed() {
             pass.actions.push(Action::Stage(module.target, item.id.clone(), value.to_string()));
         }

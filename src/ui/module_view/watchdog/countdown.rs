@@ -37,20 +37,23 @@ impl Countdown {
             _ => 0.0,
         };
         ui.horizontal(|ui| {
-            widgets::progress(ui, part, "Time until the watchdog trips");
+            widgets::progress(ui, part, "Time until the watchdog trips").on_hover_text(TRIPS);
             let (text, colour): (String, Color32) = match left {
                 Some(left) if !left.is_zero() => (format!("trips in {:.1} s", left.as_secs_f64()), palette.text),
                 Some(_) => ("the time is over: waiting for what the module says".to_owned(), palette.warning),
                 None => (standing(module), palette.quiet),
             };
             let width = ui.available_width().min(2.0 * theme::COUNTDOWN_TEXT);
-            widgets::fixed_coloured(ui, width, Align::Min, &text, colour);
+            widgets::fixed_coloured(ui, width, Align::Min, &text, colour).on_hover_text(TRIPS);
         });
         if left.is_some_and(|left| !left.is_zero()) {
             ui.ctx().request_repaint_after(EVERY);
         }
     }
 }
+
+const TRIPS: &str =
+    "Without a Host OK for this long the watchdog trips, and the module sets its outputs to their safe values";
 
 /// What is to be said while no time runs.
 fn standing(module: &Module) -> String {

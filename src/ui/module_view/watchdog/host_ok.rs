@@ -13,6 +13,8 @@ use crate::ui::widgets::{self, Glyph};
 use crate::ui::words;
 
 /// In seconds; shorter ones would leave no room on the line.
+const PERIOD: &str =
+    "How often Host OK is sent; well below the watchdog's timeout, so that one lost frame does no harm";
 const SHORTEST: f64 = 0.05;
 /// A day.
 const LONGEST: f64 = 86_400.0;
@@ -55,7 +57,8 @@ impl Period {
         let mut text = self.text(module);
         let chosen = judge(module, &text);
         ui.horizontal(|ui| {
-            widgets::fixed_coloured(ui, theme::FORM_LABEL, Align::Min, "Send again every", palette.quiet);
+            widgets::fixed_coloured(ui, theme::FORM_LABEL, Align::Min, "Send again every", palette.quiet)
+                .on_hover_text(PERIOD);
             let mut edit =
                 TextEdit::singleline(&mut text).desired_width(theme::WINDOW_FIELD_WIDTH).align(Align2::RIGHT_CENTER);
             if chosen.is_err() && self.typed.is_some() {
@@ -63,6 +66,7 @@ impl Period {
             }
             let response = ui.add(edit);
             widgets::name_field(&response, "Host OK period", &text);
+            let response = response.on_hover_text(PERIOD);
             if response.changed() {
                 self.typed = Some(text);
             }
@@ -92,14 +96,18 @@ impl Period {
         if running.is_none() || other || chosen.is_err() {
             let word = if running.is_some() { "Use this period" } else { "Start Host OK" };
             let button = ui.add_enabled(possible, Button::new(word));
+            let button = button.on_hover_text("Tells all modules again and again that the host is there");
             let button = button.on_disabled_hover_text(reason.unwrap_or_default());
             if let (true, Ok(period)) = (button.clicked() || entered && possible, chosen) {
                 pass.actions.push(Action::StartHostOk(module.target, *period));
                 self.typed = None;
             }
         }
-        if running.is_some() && ui.button("Stop sending").clicked() {
-            stop(module, pass);
+        if running.is_some() {
+            let button = ui.button("Stop sending");
+            if button.on_hover_text("Without Host OK a watchdog that is enabled trips after its timeout").clicked() {
+                stop(module, pass);
+            }
         }
     }
 }

@@ -107,6 +107,7 @@ impl Form {
                     Ok(_) => None,
                 };
                 let save = ui.add_enabled(obstacle.is_none(), Button::new("Save…"));
+                let save = save.on_hover_text("Asks for a place, then writes the file");
                 if save.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked()
                     && let Ok(span) = &span
                 {
@@ -124,10 +125,13 @@ impl Form {
         let in_plots = self.plots.series.len();
         ui.add_enabled_ui(in_plots > 0, |ui| {
             ui.radio_value(&mut self.which, Which::InPlots, format!("Those in the plots ({in_plots})"))
+                .on_hover_text("What the plots show at present")
                 .on_disabled_hover_text("The plots show no reading");
         });
-        ui.radio_value(&mut self.which, Which::All, format!("All ({})", history.series().len()));
-        ui.radio_value(&mut self.which, Which::Chosen, format!("Chosen here ({})", self.chosen.len()));
+        ui.radio_value(&mut self.which, Which::All, format!("All ({})", history.series().len()))
+            .on_hover_text("Every reading of every module");
+        ui.radio_value(&mut self.which, Which::Chosen, format!("Chosen here ({})", self.chosen.len()))
+            .on_hover_text("Those that are ticked in a list");
         if self.which == Which::Chosen {
             let names = module_names(history);
             ScrollArea::vertical().max_height(theme::EXPORT_LIST).auto_shrink([false, true]).show(ui, |ui| {
@@ -155,20 +159,28 @@ impl Form {
             })
         };
         let (view, cursors) = (self.plots.view, self.plots.cursors);
-        for (span, when, text, missing) in [
-            (view, When::InView, "The span in view", "The plots show nothing"),
-            (cursors, When::BetweenCursors, "Between the cursors", "No cursors are set in the plots"),
+        for (span, when, text, means, missing) in [
+            (view, When::InView, "The span in view", "The time that the plots show", "The plots show nothing"),
+            (
+                cursors,
+                When::BetweenCursors,
+                "Between the cursors",
+                "The time from cursor A to cursor B",
+                "No cursors are set in the plots",
+            ),
         ] {
             ui.add_enabled_ui(span.is_some(), |ui| {
                 ui.horizontal(|ui| {
-                    ui.radio_value(&mut self.when, when, text).on_disabled_hover_text(missing);
+                    let radio = ui.radio_value(&mut self.when, when, text);
+                    radio.on_hover_text(means).on_disabled_hover_text(missing);
                     widgets::quiet(ui, &told(span));
                 });
             });
         }
-        ui.radio_value(&mut self.when, When::Everything, "Everything");
+        ui.radio_value(&mut self.when, When::Everything, "Everything")
+            .on_hover_text("From the first sample to the last");
         ui.horizontal(|ui| {
-            ui.radio_value(&mut self.when, When::Typed, "From");
+            ui.radio_value(&mut self.when, When::Typed, "From").on_hover_text("The time that is typed here");
             let [from, to] = &mut self.typed;
             let mut is_typed = time_field(ui, from, "From");
             ui.label("to");
@@ -182,21 +194,25 @@ impl Form {
     fn file(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             for format in Format::ALL {
-                ui.radio_value(&mut self.format, format, format.label());
+                ui.radio_value(&mut self.format, format, format.label()).on_hover_text(means(format));
             }
         });
         ui.horizontal(|ui| {
-            ui.radio_value(&mut self.rows, Rows::PerTime, "One row for each time");
+            ui.radio_value(&mut self.rows, Rows::PerTime, "One row for each time")
+                .on_hover_text("A column for each reading; it is empty where there is no sample at that very time");
             ui.radio_value(&mut self.rows, Rows::Within(POLL_TIME), "One row for each poll")
                 .on_hover_text("Answers of one poll have times of their own; those within half a second share a row");
-            ui.radio_value(&mut self.rows, Rows::PerSample, "One row for each sample");
+            ui.radio_value(&mut self.rows, Rows::PerSample, "One row for each sample")
+                .on_hover_text("Time, reading and value; nothing is empty");
         });
         let before = self.utc;
         ui.add_enabled_ui(self.format != Format::Parquet, |ui| {
             ui.horizontal(|ui| {
                 let reason = "Parquet holds times in UTC";
-                ui.radio_value(&mut self.utc, false, "Local time with its offset").on_disabled_hover_text(reason);
-                ui.radio_value(&mut self.utc, true, "UTC").on_disabled_hover_text(reason);
+                let local = ui.radio_value(&mut self.utc, false, "Local time with its offset");
+                local.on_hover_text("As the clock on the wall, such as 14:05:09+02:00").on_disabled_hover_text(reason);
+                let utc = ui.radio_value(&mut self.utc, true, "UTC");
+                utc.on_hover_text("The same for everybody, and without summer time").on_disabled_hover_text(reason);
             });
         });
         if self.utc != before {
@@ -274,7 +290,16 @@ impl Form {
 fn time_field(ui: &mut Ui, text: &mut String, name: &str) -> bool {
     let response = ui.add(TextEdit::singleline(text).desired_width(theme::MOMENT_FIELD));
     widgets::name_field(&response, name, text);
-    response.changed()
+    response.on_hover_text("Date and time, such as 2026-03-02 09:30:00").changed()
+}
+
+/// Who reads a format.
+fn means(format: Format) -> &'static str {
+    match format {
+        Format::Csv => "For spreadsheets",
+        Format::JsonLines => "One object a line, for programs",
+        Format::Parquet => "Small and typed, for data analysis",
+    }
 }
 
 fn sorted([one, other]: [f64; 2]) -> [Micros; 2] {
