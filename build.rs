@@ -1,4 +1,5 @@
-//! Tells the program which commit it was built from, and on Windows gives it its icon, version and manifest.
+//! Tells the program which commit it was built from, on Windows gives it its icon, version and manifest, and lets the linker make
+//! a release smaller where it can.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,9 +14,31 @@ fn main() {
     let version = commit.map_or_else(|| number.clone(), |commit| format!("{number} ({commit})"));
     println!("cargo::rustc-env=DCON_BENCH_VERSION={version}");
     println!("cargo::rerun-if-changed=build.rs");
-    if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "windows") {
+    let is = |name: &str, value: &str| std::env::var(name).is_ok_and(|is| is == value);
+    if is("CARGO_CFG_TARGET_OS", "windows") {
         windows_resources(&number, &version);
     }
+    let for_linux = is("CARGO_CFG_TARGET_OS", "linux") && is("CARGO_CFG_TARGET_ENV", "gnu");
+    if for_linux && is("PROFILE", "release") && linker_takes(FOLD).unwrap_or(false) {
+        println!("cargo::rustc-link-arg-bins={FOLD}");
+    }
+}
+
+/// Of functions that are alike to the byte, one is kept; not of those that a passing panic stops in. LLD does this, which the
+/// compiler brings along for PCs; other linkers refuse it.
+const FOLD: &str = "-Wl,--icf=all";
+
+/// Whether an empty program links with this argument.
+fn linker_takes(argument: &str) -> Option<bool> {
+    let variable = |name: &str| std::env::var(name).ok();
+    let folder = PathBuf::from(variable("OUT_DIR")?);
+    let source = folder.join("empty.rs");
+    std::fs::write(&source, "fn main() {}").ok()?;
+    let mut compiler = Command::new(variable("RUSTC")?);
+    compiler.arg("--target").arg(variable("TARGET")?).args(variable("RUSTC_LINKER").map(|it| format!("-Clinker={it}")));
+    compiler.args(variable("CARGO_ENCODED_RUSTFLAGS")?.split('\x1f').filter(|flag| !flag.is_empty()));
+    compiler.arg(format!("-Clink-arg={argument}")).arg("-o").arg(folder.join("empty")).arg(source);
+    Some(compiler.output().ok()?.status.success())
 }
 
 /// The short hash of what is checked out here; `None` outside of a checkout, or inside of another project's.

@@ -1,8 +1,11 @@
 //! Pictures of the window, compared with those that were looked at and kept.
 //!
-//! They need a renderer: on Linux without a graphics card that is Mesa's lavapipe (`mesa-vulkan-drivers`). Without one
-//! nothing is compared, and `DCON_BENCH_PICTURES=required` makes that a failure. `UPDATE_SNAPSHOTS=1` keeps the present
+//! They need a renderer: without a graphics card that is Mesa's lavapipe (`mesa-vulkan-drivers`). Without one nothing is
+//! compared, and `DCON_BENCH_PICTURES=required` makes that a failure. `UPDATE_SNAPSHOTS=1` keeps the present
 //! pictures; look at them before they are kept.
+
+// Renderers of other systems draw otherwise.
+#![cfg(target_os = "linux")]
 
 #[path = "../common/stage.rs"]
 mod stage;

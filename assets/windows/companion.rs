@@ -1,7 +1,7 @@
 //! `dcon-bench.com`: starts `dcon-bench.exe` beside it with the same arguments, standard handles and exit code, and waits.
 //!
 //! A shell does not wait for a program with a window, so its output would come after the next prompt; and where both
-//! stand side by side, `dcon-bench` means this one. Compiled by itself: `rustc --target x86_64-pc-windows-gnu console.rs`.
+//! stand side by side, `dcon-bench` means this one. Compiled by itself: `rustc --target x86_64-pc-windows-gnu companion.rs`.
 
 use std::process::{Command, ExitCode};
 use std::sync::atomic::{AtomicBool, Ordering};
