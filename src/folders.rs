@@ -23,11 +23,19 @@ pub fn definitions() -> Option<PathBuf> {
 /// Where recordings go unless the user names another folder: beside the settings if their folder is overridden, else
 /// among the user's data, whether it exists or not.
 pub fn recordings() -> Option<PathBuf> {
-    let data = match std::env::var_os(OVERRIDE) {
-        Some(folder) => PathBuf::from(folder),
-        None => directories::ProjectDirs::from("", "", "dcon-bench")?.data_local_dir().to_path_buf(),
-    };
-    Some(data.join("recordings"))
+    data().map(|folder| folder.join("recordings"))
+}
+
+/// Where the log is kept where nobody reads what the program writes to its standard error.
+pub fn log() -> Option<PathBuf> {
+    data().map(|folder| folder.join("log.txt"))
+}
+
+fn data() -> Option<PathBuf> {
+    match std::env::var_os(OVERRIDE) {
+        Some(folder) => Some(PathBuf::from(folder)),
+        None => directories::ProjectDirs::from("", "", "dcon-bench").map(|dirs| dirs.data_local_dir().to_path_buf()),
+    }
 }
 
 /// A file in a folder.

@@ -21,6 +21,8 @@ pub mod bus;
 pub mod capture;
 pub mod cli;
 pub mod diagnosis;
+#[cfg(feature = "window")]
+pub mod errors;
 pub mod folders;
 pub mod help;
 pub mod mimic;

@@ -16,6 +16,8 @@ use std::time::Instant;
 use eframe::egui::{Context, ViewportId};
 
 use super::NAME;
+#[cfg(windows)]
+use crate::errors;
 use crate::renderer::Renderer;
 
 /// Whether a window has been seen: what fails before was the renderer, or the start of the window with it.
@@ -130,16 +132,9 @@ fn could_not_be_shown(reason: &str) -> ExitCode {
 fn tell(text: &str) {
     eprintln!("{text}");
     #[cfg(windows)]
-    if nobody_reads_errors() {
+    if !errors::are_read() {
         rfd::MessageDialog::new().set_level(rfd::MessageLevel::Error).set_title(NAME).set_description(text).show();
     }
-}
-
-/// The program was started from the desktop, or has let go of its parent's console (`console::leave`): only a file or a
-/// pipe is left, and whoever reads that cannot dismiss a box.
-#[cfg(windows)]
-fn nobody_reads_errors() -> bool {
-    std::os::windows::io::AsRawHandle::as_raw_handle(&io::stderr()).is_null()
 }
 
 /// Runs `show`. What panics before the first picture is a failure of it, and is not told as a panic; later ones go on.

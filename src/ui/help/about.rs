@@ -9,7 +9,7 @@ use crate::help::licences;
 use crate::ui::app::Pass;
 use crate::ui::recording::Wish;
 use crate::ui::{theme, widgets};
-use crate::{folders, version};
+use crate::{errors, folders, version};
 
 const WHAT: &str = "A commissioning bench for ICP DAS PIR-130 and PIR-234 modules, and others that a definition file describes, on \
                     RS-485 (DCON, Modbus RTU) and Ethernet (Modbus TCP).";
@@ -132,7 +132,8 @@ fn program(ui: &mut Ui, folders: &[Folder], renderer: Option<&str>, pass: &mut P
     }
     ui.add_space(theme::GAP);
     widgets::quiet_small(ui, "This run");
-    line(ui, "Log", "Standard error; with RUST_LOG=info it tells more", |_| {});
+    let log = errors::file().map_or_else(|| "Standard error".to_owned(), |path| path.display().to_string());
+    line(ui, "Log", &format!("{log}; with RUST_LOG=info it tells more"), |_| {});
     if let Some(renderer) = renderer {
         line(ui, "Drawn by", renderer, |_| {});
     }
