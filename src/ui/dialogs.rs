@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, Id, Modal, TextEdit};
+use eframe::egui::{self, TextEdit};
 
 use super::recording;
 use super::saving::{SaveAs, Saving};
 use super::trends::export;
-use super::{theme, widgets};
+use super::{modal, theme, widgets};
 use crate::bench::{Action, Bench, Severity};
 
 /// A dialog that is closed sooner was never shown: the system has none.
@@ -240,8 +240,7 @@ fn path_field(ctx: &egui::Context, purpose: &Purpose, path: &mut String) -> Answ
         Purpose::RecordingFolder(_) => ("Write the path of a folder:", "/home/me/recordings", "Choose"),
     };
     let mut answer = Answer::None;
-    let modal = Modal::new(Id::unique("path")).show(ctx, |ui| {
-        ui.set_width(theme::PATH_WIDTH);
+    let modal = modal::show(ctx, "path", theme::PATH_WIDTH, |ui| {
         ui.heading(purpose.title());
         widgets::quiet(ui, &format!("This system has no file dialog. {explanation}"));
         let field = ui.add(TextEdit::singleline(path).desired_width(f32::INFINITY).hint_text(hint));

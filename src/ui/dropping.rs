@@ -1,9 +1,9 @@
 //! Files that are dragged onto the window: what will become of them while they hover, and opening them.
 
-use eframe::egui::{self, Id, Modal, RichText};
+use eframe::egui::{self, RichText};
 
 use super::widgets::{self, Glyph};
-use super::{theme, words};
+use super::{modal, theme, words};
 use crate::bench::Action;
 use crate::bench::files::{self, FileKind};
 
@@ -26,8 +26,7 @@ pub fn overlay(ctx: &egui::Context) {
     if hovering.is_empty() {
         return;
     }
-    Modal::new(Id::unique("dropping")).show(ctx, |ui| {
-        ui.set_width(theme::TEXT_WIDTH);
+    modal::show(ctx, "dropping", theme::TEXT_WIDTH, |ui| {
         ui.heading("Drop to open");
         ui.add_space(theme::UNIT);
         for (name, kind) in hovering.iter().flatten().take(MOST_TOLD) {

@@ -1,10 +1,10 @@
 //! Asks before something is done that cannot be taken back: leaving changes that are not written, stopping Host OK, or
 //! what a part of the window wants confirmed.
 
-use eframe::egui::{Context, Id, Key, Modal, RichText, Ui, ViewportCommand};
+use eframe::egui::{Context, Key, RichText, Ui, ViewportCommand};
 
 use super::panes::Pane;
-use super::{theme, widgets};
+use super::{modal, theme, widgets};
 use crate::bench::{Action, Bench, Module};
 use crate::bus::Target;
 
@@ -124,8 +124,7 @@ impl Guard {
         let mut outcome = Outcome::default();
         let Some(held) = self.held.take() else { return outcome };
         let mut decided = false;
-        let modal = Modal::new(Id::unique("question")).show(ctx, |ui| {
-            ui.set_width(theme::QUESTION_WIDTH);
+        let modal = modal::show(ctx, "question", theme::QUESTION_WIDTH, |ui| {
             decided = match &held {
                 Held::Confirm(confirm) => ask(ui, confirm, &mut outcome),
                 Held::Leaving { targets, then } => self.ask_leaving(ui, bench, targets, then, &mut outcome),

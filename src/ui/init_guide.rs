@@ -9,6 +9,7 @@ use eframe::egui::{
 };
 
 use super::app::Pass;
+use super::modal;
 use super::picture::{self, Look};
 use super::theme::{self, Palette};
 use super::widgets::{self, Glyph};
@@ -48,10 +49,8 @@ impl InitGuide {
             self.turned = false;
         }
         let frame = theme::guide_frame(if ctx.global_style().visuals.dark_mode { &theme::DARK } else { &theme::LIGHT });
-        let modal = Modal::new(Id::unique("init guide")).frame(frame).show(ctx, |ui| {
-            ui.set_width(theme::GUIDE_WIDTH);
-            self.contents(ui, init, module, pass);
-        });
+        let modal = Modal::new(Id::unique("init guide")).frame(frame);
+        let modal = modal::fit(ctx, modal, theme::GUIDE_WIDTH, |ui| self.contents(ui, init, module, pass));
         let harmless = matches!(init.step, InitStep::SwitchOn | InitStep::Done);
         if harmless && modal.is_top_modal && ctx.input(|input| input.key_pressed(Key::Escape)) {
             pass.actions.push(Action::LeaveInit);

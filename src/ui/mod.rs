@@ -19,6 +19,7 @@ mod help;
 mod icon;
 mod init_guide;
 mod interval;
+mod modal;
 mod module_list;
 mod module_view;
 mod notices;

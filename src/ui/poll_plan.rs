@@ -42,7 +42,9 @@ impl PollPlan {
             if pass.bench.modules().iter().all(|module| module.definition().is_none()) {
                 ui.label("No module of a known model was found yet – scan first.");
             } else {
-                ScrollArea::vertical().max_height(theme::PLAN_HEIGHT).show(ui, |ui| plan(ui, pass));
+                let room = ctx.content_rect().height() - theme::PLAN_BELOW - theme::PLAN_AROUND;
+                let height = theme::PLAN_HEIGHT.min(room.max(theme::PLAN_LEAST));
+                ScrollArea::vertical().max_height(height).show(ui, |ui| plan(ui, pass));
             }
             ui.add_space(theme::GAP);
             ui.horizontal(|ui| {

@@ -23,6 +23,7 @@ mod panes;
 mod poll_plan;
 mod recording;
 mod relay;
+mod small;
 mod summary;
 mod traffic;
 mod trends;

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{self, Align, Button, Id, Label, Modal, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Align, Button, Label, RichText, ScrollArea, Ui};
 
 use super::licence_list::LicenceList;
 use crate::help::licences;
 use crate::ui::app::Pass;
 use crate::ui::recording::Wish;
-use crate::ui::{theme, widgets};
+use crate::ui::{modal, theme, widgets};
 use crate::{errors, folders, version};
 
 const WHAT: &str = "A commissioning bench for ICP DAS PIR-130 and PIR-234 modules, and others that a definition file describes, on \
@@ -61,8 +61,7 @@ impl AboutBox {
     pub fn show(&mut self, ctx: &egui::Context, pass: &mut Pass<'_>) {
         let Self { open: Some(open), renderer } = self else { return };
         let mut close = false;
-        let modal = Modal::new(Id::unique("about")).show(ctx, |ui| {
-            ui.set_width(theme::ABOUT[0]);
+        let modal = modal::show(ctx, "about", theme::ABOUT[0], |ui| {
             ui.heading(version::named());
             ui.add_space(theme::UNIT);
             ui.horizontal(|ui| {
@@ -79,7 +78,8 @@ impl AboutBox {
                 }
             });
             ui.add_space(theme::GAP);
-            let (size, layout) = (theme::ABOUT.into(), egui::Layout::top_down(Align::Min));
+            let size = egui::vec2(ui.available_width(), theme::ABOUT[1]);
+            let layout = egui::Layout::top_down(Align::Min);
             ui.allocate_ui_with_layout(size, layout, |ui| {
                 ui.set_min_size(size);
                 match open.page {

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Button, DragValue, Id, Modal, Role, TextEdit, Ui, WidgetInfo};
+use eframe::egui::{self, Button, DragValue, Role, TextEdit, Ui, WidgetInfo};
 
 use crate::ui::dialogs::Dialogs;
 use crate::ui::settings::{LEAST_FILE_MEGABYTES, MOST_MEGABYTES, Settings};
-use crate::ui::{theme, widgets};
+use crate::ui::{modal, theme, widgets};
 
 /// Offered when "all" is taken back.
 const DEFAULT_DAYS: u32 = 365;
@@ -56,8 +56,7 @@ impl Form {
             self.folder = folder.display().to_string();
         }
         let mut answer = Answer::None;
-        let modal = Modal::new(Id::unique("recording settings")).show(ctx, |ui| {
-            ui.set_width(theme::QUESTION_WIDTH);
+        let modal = modal::show(ctx, "recording settings", theme::QUESTION_WIDTH, |ui| {
             ui.heading("Recording settings");
             ui.add_space(theme::GAP);
             ui.checkbox(&mut self.record, "Record by itself when the first module is polled")

@@ -48,7 +48,10 @@ pub const PANE_LEAST: f32 = 80.0 * UNIT;
 pub const MODULE_LEAST: f32 = 170.0 * UNIT;
 pub const TAB_HEIGHT: f32 = 7.0 * UNIT;
 pub const QUESTION_WIDTH: f32 = 110.0 * UNIT;
-pub const WINDOW_LEAST: [f32; 2] = [960.0, 620.0];
+/// Less than a small screen has at twice the size; what does not fit is scrolled.
+pub const WINDOW_LEAST: [f32; 2] = [120.0 * UNIT, 80.0 * UNIT];
+/// Around what stands in front of the window, its frame included.
+pub const MODAL_MARGIN: f32 = 4.0 * UNIT;
 
 pub const CONTROL_HEIGHT: f32 = 6.0 * UNIT;
 pub const STATUS_HEIGHT: f32 = 7.0 * UNIT;
@@ -79,6 +82,9 @@ pub const WINDOW_FIELD_WIDTH: f32 = 16.0 * UNIT;
 pub const SCAN_MENU_WIDTH: f32 = 72.0 * UNIT;
 /// Height of the list of modules in the poll plan.
 pub const PLAN_HEIGHT: f32 = 90.0 * UNIT;
+/// What is above and below that list, and its least height.
+pub const PLAN_AROUND: f32 = 30.0 * UNIT;
+pub const PLAN_LEAST: f32 = 16.0 * UNIT;
 /// How far below the window's top the plan opens.
 pub const PLAN_BELOW: f32 = 20.0 * UNIT;
 /// The panel of faults, and two of its columns.

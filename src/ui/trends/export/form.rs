@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{self, Button, Id, Modal, ScrollArea, TextEdit, Ui};
+use eframe::egui::{self, Button, ScrollArea, TextEdit, Ui};
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
@@ -12,7 +12,7 @@ use super::{InPlots, Wanted};
 use crate::bench::RecordingId;
 use crate::record::{Format, History, Micros, Rows, SeriesId, column_name, micros, module_names};
 use crate::ui::tables::grouped;
-use crate::ui::{theme, widgets, words};
+use crate::ui::{modal, theme, widgets, words};
 
 /// Answers of one poll come within this time, in microseconds.
 const POLL_TIME: Micros = 500_000;
@@ -86,8 +86,7 @@ impl Form {
 
     pub fn show(&mut self, ctx: &egui::Context, history: &History, now: Timestamp) -> Answer {
         let mut answer = Answer::None;
-        let modal = Modal::new(Id::unique("export readings")).show(ctx, |ui| {
-            ui.set_width(theme::EXPORT_WIDTH);
+        let modal = modal::show(ctx, "export readings", theme::EXPORT_WIDTH, |ui| {
             ui.heading("Export readings");
             widgets::section(ui, "Readings");
             self.readings(ui, history);

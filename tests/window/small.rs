@@ -1,0 +1,48 @@
+//! Small windows, and large text, which leaves a window as little room: what stands in front of it can be read and left.
+
+use dcon_bench::sim::Pace;
+use dcon_bench::ui::App;
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Rect, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use crate::harness::*;
+
+/// A window of 1024 by 700 at 100, 150, 200 and 300 per cent.
+const ROOMS: [Vec2; 4] = [vec2(1024.0, 700.0), vec2(683.0, 467.0), vec2(512.0, 350.0), vec2(341.0, 233.0)];
+
+fn window_of_size(size: Vec2) -> Window {
+    let start = start(&sim(&[], Pace::Skip), false, simulated());
+    Harness::builder().with_size(size).build_eframe(move |creation| {
+        let ctx = creation.egui_ctx.clone();
+        App::new(&ctx, bench(&ctx), start)
+    })
+}
+
+/// Scrolls to a button, which then has to be within the window, and clicks it.
+fn reach(window: &mut Window, role: Role, label: &str, size: Vec2) {
+    until(window, label, |window| window.query_by_role_and_label(role, label).is_some());
+    window.get_by_role_and_label(role, label).scroll_to_me();
+    let inside = Rect::from_min_size(Default::default(), size);
+    let what = format!("{label} within {size}");
+    until(window, &what, |window| inside.contains_rect(window.get_by_role_and_label(role, label).rect()));
+    click(window, role, label);
+}
+
+#[test]
+fn whatever_stands_in_front_of_a_small_window_can_be_left_with_its_buttons() {
+    for size in ROOMS {
+        for (menu, entry, heading, leave) in [
+            ("Menu", "About and licences…", "Its licence", "Close"),
+            ("Recording", "Recording settings…", "Record by itself when the first module is polled", "Cancel"),
+        ] {
+            let mut window = window_of_size(size);
+            reach(&mut window, Role::Button, menu, size);
+            reach(&mut window, Role::MenuItem, entry, size);
+            until(&mut window, entry, |window| shows(window, heading));
+            reach(&mut window, Role::Button, leave, size);
+            assert!(!shows(&window, heading), "{entry} at {size}");
+        }
+    }
+}
