@@ -12,13 +12,13 @@ const CHOICES: [u64; 8] = [0, 200, 500, 1_000, 2_000, 5_000, 10_000, 60_000];
 const LONGEST: f64 = 86_400.0;
 
 /// A list of intervals, with a field for others. The interval that was chosen just now.
-pub fn selector(ui: &mut Ui, id: &str, name: &str, interval: Duration) -> Option<Duration> {
+pub fn selector(ui: &mut Ui, id: &str, name: &str, width: f32, interval: Duration) -> Option<Duration> {
     let text = match interval {
         Duration::ZERO => words::interval(Duration::ZERO),
         interval => format!("every {}", words::interval(interval)),
     };
     let mut chosen = None;
-    let combo = widgets::combo(id, theme::INTERVAL_WIDTH, &text);
+    let combo = widgets::combo(id, width, &text);
     let response = combo.show_ui(ui, |ui| {
         for choice in CHOICES.map(Duration::from_millis) {
             if ui.selectable_label(interval == choice, words::interval(choice)).clicked() {

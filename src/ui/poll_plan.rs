@@ -114,7 +114,9 @@ fn row(ui: &mut Ui, module: &Module, definition: &Definition, closed: bool, acti
     let shown = module.interval.or(module.last_interval).unwrap_or(DEFAULT_INTERVAL);
     let id = format!("{target:?}");
     ui.add_enabled_ui(!closed, |ui| {
-        if let Some(interval) = interval::selector(ui, &id, &format!("Interval of {name}"), shown) {
+        if let Some(interval) =
+            interval::selector(ui, &id, &format!("Interval of {name}"), theme::INTERVAL_WIDTH, shown)
+        {
             actions.push(Action::SetInterval(target, interval));
         }
     });

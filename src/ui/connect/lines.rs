@@ -120,7 +120,7 @@ fn choice(ui: &mut Ui, settings: &mut Settings, line: LineChoice, name: &str) ->
 fn port_entry(ui: &mut Ui, port: &PortInfo, settings: &mut Settings) -> Rect {
     let palette = theme::palette(ui);
     let row = ui.horizontal(|ui| {
-        choice(ui, settings, LineChoice::Port(port.name.clone()), &port.name);
+        choice(ui, settings, LineChoice::Port(port.name.clone()), &port.name).on_hover_text("Chooses this port");
         widgets::quiet(ui, &port.description);
         if let Some(problem) = &port.problem {
             widgets::glyph(ui, widgets::Glyph::Triangle, palette.warning);

@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Head
             told(ui, module, (ui.available_width() - controls).max(0.0));
             widgets::at_right(ui, |ui| {
                 pause_button(ui, module, pass, &header.polling);
-                interval_selector(ui, module, pass.actions, &mut header.polling);
+                interval_selector(ui, module, pass.actions, &mut header.polling, theme::INTERVAL_WIDTH);
                 read_again(ui, module, pass, asks);
             });
         });
@@ -68,8 +68,11 @@ pub fn show(ui: &mut Ui, module: &Module, pass: &mut Pass<'_>, header: &mut Head
             told(ui, module, ui.available_width());
         }
         ui.horizontal_wrapped(|ui| {
+            let room = ui.available_width();
             read_again(ui, module, pass, asks);
-            interval_selector(ui, module, pass.actions, &mut header.polling);
+            let [least, most] = [theme::BUTTON_WIDTH, theme::INTERVAL_WIDTH];
+            let width = (room - theme::POLLING_WIDTH - theme::READ_WIDTH - 2.0 * theme::GAP).clamp(least, most);
+            interval_selector(ui, module, pass.actions, &mut header.polling, width);
             pause_button(ui, module, pass, &header.polling);
         });
     }
@@ -117,11 +120,11 @@ fn unit_toggle(ui: &mut Ui, unit: &mut TemperatureUnit) {
     }
 }
 
-fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, polling: &mut Polling) {
+fn interval_selector(ui: &mut Ui, module: &Module, actions: &mut Vec<Action>, polling: &mut Polling, width: f32) {
     if let Some(interval) = module.interval {
         polling.interval = interval;
     }
-    if let Some(interval) = interval::selector(ui, "interval", "Poll interval", polling.interval) {
+    if let Some(interval) = interval::selector(ui, "interval", "Poll interval", width, polling.interval) {
         polling.interval = interval;
         actions.push(Action::SetInterval(module.target, interval));
     }
