@@ -104,6 +104,10 @@ impl Dialogue {
         self.hurry = hurry;
     }
 
+    pub(super) fn is_in_a_hurry(&self) -> bool {
+        self.hurry.load(Ordering::Relaxed)
+    }
+
     /// Stamps nothing earlier than `floor` from now on, whatever the system's clock shows.
     pub fn not_before(&mut self, floor: Timestamp) {
         match &mut self.link {
@@ -302,7 +306,7 @@ impl Speaker<'_> {
     /// Whether to ask once more, after so many repetitions.
     fn repeats(&self, query: &Query, failure: &Failure, repeated: u8) -> bool {
         // Somebody waits for a scan, or the line, to end.
-        if query.is_write() || self.dialogue.hurry.load(Ordering::Relaxed) {
+        if query.is_write() || self.dialogue.is_in_a_hurry() {
             return false;
         }
         match failure {
@@ -332,7 +336,7 @@ impl Ask for Speaker<'_> {
         let mut repeated = 0u8;
         let window = if query.is_write() { Patience::WRITE_WINDOW } else { self.patience.window };
         loop {
-            if !self.counted && self.dialogue.hurry.load(Ordering::Relaxed) {
+            if !self.counted && self.dialogue.is_in_a_hurry() {
                 return Err(Failure::Silent);
             }
             let outcome = self.dialogue.once(&self.target, query, window);

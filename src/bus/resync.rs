@@ -39,15 +39,32 @@ impl Dialogue {
                 asked.dedup();
                 for (address, checksum) in asked {
                     let owing = Target { address, checksum, ..*target };
-                    let outcome = self.ask_for_known_name(&owing, window, Alone::Waived);
-                    // Another module that stays silent is waited for instead.
                     if address == target.address {
-                        outcome?;
+                        self.ask_for_known_name(&owing, window, Alone::Waived)?;
+                    } else {
+                        self.ask_another(&owing, shape, window);
                     }
                 }
                 Ok(())
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Asks another module, whose late answer could be taken for one to `shape`, until it shows that none will come, or until
+    /// none can come any more: the line is back as soon as that module is.
+    fn ask_another(&mut self, owing: &Target, shape: Shape, window: Duration) {
+        let owes = |dialogue: &Self| match &dialogue.link {
+            Link::Wire(wire) => {
+                wire.owed(shape).into_iter().any(|owed| owed.dcon_module() == Some((owing.address, owing.checksum)))
+            }
+            Link::Tcp(_) => false,
+        };
+        while owes(self) && !self.is_in_a_hurry() {
+            match self.ask_for_known_name(owing, window, Alone::Waived) {
+                Ok(()) | Err(Failure::LineLost(_)) => return,
+                Err(_) => {}
+            }
         }
     }
 
