@@ -21,6 +21,7 @@ use super::trends::{self, Source};
 use super::{theme, widgets, words};
 use crate::bench::{Action, Bench, RecordingId};
 use crate::bus::Target;
+use crate::version::NAME;
 
 /// What a tab shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -375,7 +376,8 @@ impl Panes {
         for pane in windows.iter().copied() {
             let name = title(pass.bench, pane);
             let builder = ViewportBuilder::default()
-                .with_title(format!("{name} – dcon-bench"))
+                .with_title(format!("{name} – {NAME}"))
+                .with_app_id(NAME)
                 .with_inner_size(theme::WINDOW_OWN)
                 .with_min_inner_size(theme::WINDOW_LEAST);
             ctx.show_viewport_immediate(viewport_id(pane), builder, |ui, class| {
