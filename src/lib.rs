@@ -23,6 +23,7 @@ pub mod cli;
 pub mod diagnosis;
 pub mod folders;
 pub mod help;
+pub mod line;
 pub mod mimic;
 pub mod module;
 pub mod picture;

@@ -11,7 +11,6 @@ mod codec;
 pub mod dialogue;
 mod judge;
 mod latency;
-pub mod line;
 mod message;
 mod name;
 mod ports;
@@ -31,6 +30,7 @@ mod worker;
 
 pub use adapters::{NoPort, WithoutPort, adapters_without_port};
 pub use client::{Bus, BusGone};
+pub use crate::line;
 pub use latency::LatencyTimer;
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
 pub use ports::{KnownPort, ListPorts, PortInfo, UsbIdentity, ports};
