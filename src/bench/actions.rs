@@ -92,6 +92,8 @@ pub enum Action {
     /// Add a module definition from a file to the user's own; it counts at once.
     AddDefinition(PathBuf),
     /// Tell something that happened in the window itself.
+    /// The same, in place of the one that is there.
+    ReplaceDefinition(PathBuf),
     Notify(Severity, String),
     /// Tell that a file was written, so that its folder can be shown.
     TellOfFile(String, PathBuf),
@@ -164,7 +166,8 @@ impl Bench {
             Action::BackInInit => self.back_in_init(),
             Action::LeaveInit => self.leave_init(),
             Action::Simulated(target, what) => self.do_simulated(&target, what),
-            Action::AddDefinition(path) => self.add_definition(&path),
+            Action::AddDefinition(path) => self.add_definition(&path, false),
+            Action::ReplaceDefinition(path) => self.add_definition(&path, true),
             Action::Notify(severity, text) => self.notify(severity, text),
             Action::TellOfFile(text, path) => self.tell(Severity::Info, text, Some(path)),
             Action::ClearNotices => self.notices.clear(),

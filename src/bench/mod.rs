@@ -138,10 +138,15 @@ impl Bench {
             opened: BTreeMap::new(),
             wake: Arc::new(|| {}),
         };
-        for error in faulty_files {
-            bench.notify(Severity::Warning, format!("Module definition {error}"));
-        }
+        bench.tell_faulty(faulty_files);
         bench
+    /// Tells which definition files were left out, or do not do what they seem to.
+    fn tell_faulty(&mut self, files: &[FileError]) {
+        for error in files {
+            self.notify(Severity::Warning, format!("Module definition {error}"));
+        }
+    }
+
     }
 
     /// Replaces the clock that ages are told by.

@@ -63,6 +63,8 @@ pub struct Pass<'a> {
     /// Set to show the faults of the simulated line.
     pub faults: &'a mut bool,
     /// The pane that the user works in: commands and keys are meant for it.
+    /// Set to ask for a definition file.
+    pub add_definition: &'a mut bool,
     pub active: Pane,
 }
 
@@ -234,7 +236,7 @@ impl App {
             ..
         } = self;
         let palette = theme::palette(ui);
-        let (mut show_plan, mut show_faults) = (false, false);
+        let (mut show_plan, mut show_faults, mut add_definition) = (false, false, false);
         let (mut confirm, mut save, mut export, mut closing, mut commands) = (None, None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
             bench,
@@ -255,6 +257,7 @@ impl App {
 
         Panel::top("connect").frame(theme::panel_frame(palette)).show(ui, |ui| connect::show(ui, &mut pass, scan_form));
         if scan_form.open {
+            add_definition: &mut add_definition,
             let frame = theme::panel_frame(palette);
             Panel::top("scan form").frame(frame).show(ui, |ui| scan_form::show(ui, &mut pass, scan_form));
         }
@@ -291,6 +294,9 @@ impl App {
         }
         if let Some(wanted) = export {
             export_form.open(wanted, settings);
+        }
+        if add_definition {
+            dialogs.ask_for_definition(ui.ctx());
         }
         export_form.show(ui.ctx(), bench, dialogs);
         recordings.show(ui.ctx(), bench, settings, dialogs, actions);
