@@ -89,11 +89,12 @@ pub enum Action {
     LeaveInit,
     /// Turn a switch of a simulated module, or its power off and on.
     Simulated(Target, Simulated),
-    /// Add a module definition from a file to the user's own; it counts at once.
+    /// Add a module definition from a file to the user's own; it counts at once. Refused if another one of this model is
+    /// there.
     AddDefinition(PathBuf),
-    /// Tell something that happened in the window itself.
     /// The same, in place of the one that is there.
     ReplaceDefinition(PathBuf),
+    /// Tell something that happened in the window itself.
     Notify(Severity, String),
     /// Tell that a file was written, so that its folder can be shown.
     TellOfFile(String, PathBuf),
@@ -124,7 +125,7 @@ pub enum Simulated {
 impl Bench {
     pub fn apply(&mut self, action: Action) {
         match action {
-            Action::RefreshPorts => self.refresh_ports(),
+            Action::RefreshPorts => self.look_for_ports(),
             Action::Connect { line, settings } => self.connect(line, settings),
             Action::Disconnect => self.disconnect(),
             Action::Tune(tuning) => self.tune(tuning),

@@ -4,7 +4,7 @@
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, ViewportCommand, ViewportId, gui_zoom::kb_shortcuts};
 
 use super::app::Pass;
-use super::connect::{self, Ready};
+use super::connect::{self, Ready, recent::Again};
 use super::faults;
 use super::module_view;
 use super::panes::{Pane, Panes};
@@ -299,7 +299,7 @@ impl Command {
         match (self, module) {
             (QuickScan, _) => connect::scan_with(pass, connect::plan_of(Ready::Quick, pass.settings)),
             (FullScan, _) => connect::scan_with(pass, connect::plan_of(Ready::Full, pass.settings)),
-            (ConnectAgain, _) => connect::recent::connect_latest(pass),
+            (ConnectAgain, _) => connect::recent::ask(pass, Again::Latest),
             (StopScan, _) => pass.actions.push(Action::CancelScan),
             (CloseLine, _) => pass.actions.push(Action::Disconnect),
             (PollAll, _) => pass.actions.push(Action::PollAll(true)),

@@ -77,9 +77,11 @@ fn a_port_that_cannot_be_opened_is_explained_until_acknowledged() {
 fn without_a_port_the_window_offers_the_simulated_line() {
     let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
     let mut window = window_with(&sim, false, Settings::default());
+    until(&mut window, "the ports are known", |window| !window.state().bench().is_looking_for_ports());
     if !window.state().bench().ports().is_empty() {
         return;
     }
+    window.step();
     assert!(shows(&window, "There is no serial port"));
     click(&mut window, Role::Button, "Try the simulated line");
     until(&mut window, "the scan ends", scan_ended);
