@@ -2,16 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
+use directories::ProjectDirs;
 use jiff::Timestamp;
+
+use crate::version::NAME;
 
 /// Overrides the configuration folder; for tests and portable use.
 pub const OVERRIDE: &str = "DCON_BENCH_CONFIG";
+
+/// The folders that the system gives a program of this name.
+fn own() -> Option<ProjectDirs> {
+    ProjectDirs::from("", "", NAME)
+}
 
 /// The user's configuration folder, whether it exists or not.
 pub fn config() -> Option<PathBuf> {
     match std::env::var_os(OVERRIDE) {
         Some(folder) => Some(PathBuf::from(folder)),
-        None => directories::ProjectDirs::from("", "", "dcon-bench").map(|dirs| dirs.config_dir().to_path_buf()),
+        None => own().map(|folders| folders.config_dir().to_path_buf()),
     }
 }
 
@@ -34,7 +42,7 @@ pub fn log() -> Option<PathBuf> {
 fn data() -> Option<PathBuf> {
     match std::env::var_os(OVERRIDE) {
         Some(folder) => Some(PathBuf::from(folder)),
-        None => directories::ProjectDirs::from("", "", "dcon-bench").map(|dirs| dirs.data_local_dir().to_path_buf()),
+        None => own().map(|folders| folders.data_local_dir().to_path_buf()),
     }
 }
 

@@ -25,6 +25,7 @@ pub mod diagnosis;
 pub mod errors;
 pub mod folders;
 pub mod help;
+pub mod line;
 pub mod mimic;
 pub mod module;
 pub mod picture;

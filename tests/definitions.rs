@@ -1,8 +1,9 @@
 //! Module definitions: the public vocabulary is complete, and users' files add, override and fail as documented.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
-use dcon_bench::module::{Catalogue, Kind, add_file};
+use dcon_bench::module::{Addition, Catalogue, Kind, Standing};
 use dcon_bench::protocol::Protocol;
 
 /// The public names of both models' parameters and readings, by protocol.
@@ -224,17 +225,53 @@ fn a_faulty_file_is_named_with_line_and_reason_and_the_others_load() {
     }
 }
 
+/// A folder for definitions, and a file beside it.
+fn folder_and_file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf, PathBuf) {
+    let root = tempfile::tempdir().expect("a folder");
+    let (folder, path) = (root.path().join("modules"), root.path().join(name));
+    std::fs::create_dir(&folder).expect("a folder");
+    std::fs::write(&path, text).expect("a file");
+    (root, folder, path)
+}
+
 #[test]
-fn a_definition_is_checked_before_it_is_added_to_the_users_own() {
-    let (source, folder) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("another"));
-    let target = folder.path().join("modules");
-    let path = source.path().join("tm-1.toml");
-    std::fs::write(&path, SMALL.replace("number", "nonsense")).expect("a file");
-    assert!(add_file(&target, &path).expect_err("it is faulty").to_string().contains("line"));
-    assert!(!target.exists());
+fn a_definition_is_judged_before_it_is_added_and_its_place_is_named_by_its_id() {
+    let (_root, folder, path) = folder_and_file("module.toml", &SMALL.replace("number", "nonsense"));
+    assert!(Addition::judge(&folder, &path).expect_err("it is faulty").to_string().contains("line"));
     std::fs::write(&path, SMALL).expect("a file");
-    assert_eq!(add_file(&target, &path).expect("it is good"), "tm-1");
-    assert!(Catalogue::with_folder(&target).0.get("tm-1").is_some());
+    let addition = Addition::judge(&folder, &path).expect("it is good");
+    assert_eq!((addition.id.as_str(), addition.standing), ("tm-1", Standing::Nothing));
+    assert_eq!(addition.place, folder.join("tm-1.toml"));
+    assert_eq!(addition.text, SMALL);
+}
+
+#[test]
+fn a_definition_that_is_there_already_is_the_same_or_another_one_whatever_its_file_is_called() {
+    let (_root, folder, path) = folder_and_file("module.toml", SMALL);
+    std::fs::write(folder.join("mine.toml"), SMALL).expect("a file");
+    let addition = Addition::judge(&folder, &path).expect("it is good");
+    assert_eq!((addition.place, addition.standing), (folder.join("mine.toml"), Standing::Same));
+    std::fs::write(&path, SMALL.replace("label = \"TM-1\"", "label = \"TM-1 new\"")).expect("a file");
+    let addition = Addition::judge(&folder, &path).expect("it is good");
+    assert_eq!((addition.place, addition.standing), (folder.join("mine.toml"), Standing::Other));
+}
+
+#[test]
+fn a_place_where_another_model_stands_is_not_taken() {
+    let (_root, folder, path) = folder_and_file("module.toml", SMALL);
+    std::fs::write(folder.join("tm-1.toml"), SMALL.replace("id = \"tm-1\"", "id = \"tm-2\"")).expect("a file");
+    let told = Addition::judge(&folder, &path).expect_err("it is taken").to_string();
+    assert!(told.contains("tm-1.toml: it defines another model, tm-2 – rename it"), "{told}");
+}
+
+#[test]
+fn a_definition_may_be_based_on_one_of_the_users_own() {
+    let text = "id = \"tm-2\"\nlabel = \"TM-2\"\nbased_on = \"tm-1\"\nidentity = { dcon = [\"TM2\"] }\n";
+    let (_root, folder, path) = folder_and_file("tm-2.toml", text);
+    let told = Addition::judge(&folder, &path).expect_err("its base is missing").to_string();
+    assert!(told.contains("\"tm-1\", which is not there"), "{told}");
+    std::fs::write(folder.join("tm-1.toml"), SMALL).expect("a file");
+    assert_eq!(Addition::judge(&folder, &path).expect("it is good").id, "tm-2");
 }
 
 #[test]

@@ -89,8 +89,11 @@ pub enum Action {
     LeaveInit,
     /// Turn a switch of a simulated module, or its power off and on.
     Simulated(Target, Simulated),
-    /// Add a module definition from a file to the user's own; it counts at once.
+    /// Add a module definition from a file to the user's own; it counts at once. Refused if another one of this model is
+    /// there.
     AddDefinition(PathBuf),
+    /// The same, in place of the one that is there.
+    ReplaceDefinition(PathBuf),
     /// Tell something that happened in the window itself.
     Notify(Severity, String),
     /// Tell that a file was written, so that its folder can be shown.
@@ -122,7 +125,7 @@ pub enum Simulated {
 impl Bench {
     pub fn apply(&mut self, action: Action) {
         match action {
-            Action::RefreshPorts => self.refresh_ports(),
+            Action::RefreshPorts => self.look_for_ports(),
             Action::Connect { line, settings } => self.connect(line, settings),
             Action::Disconnect => self.disconnect(),
             Action::Tune(tuning) => self.tune(tuning),
@@ -164,7 +167,8 @@ impl Bench {
             Action::BackInInit => self.back_in_init(),
             Action::LeaveInit => self.leave_init(),
             Action::Simulated(target, what) => self.do_simulated(&target, what),
-            Action::AddDefinition(path) => self.add_definition(&path),
+            Action::AddDefinition(path) => self.add_definition(&path, false),
+            Action::ReplaceDefinition(path) => self.add_definition(&path, true),
             Action::Notify(severity, text) => self.notify(severity, text),
             Action::TellOfFile(text, path) => self.tell(Severity::Info, text, Some(path)),
             Action::ClearNotices => self.notices.clear(),

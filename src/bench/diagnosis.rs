@@ -76,7 +76,7 @@ impl Bench {
     /// # Errors
     /// If the traffic cannot be ended.
     pub fn support_bundle(&self, traffic: Traffic) -> io::Result<Bundle> {
-        bundle::gather(self.diagnosis_report(), self.ports.clone(), traffic)
+        bundle::gather(self.diagnosis_report(), self.ports.present.clone(), traffic)
     }
 
     /// The test under way.
@@ -129,7 +129,7 @@ impl Bench {
     /// The line is open: what the system tells of its adapter.
     pub(super) fn note_adapter(&mut self) {
         let timer = match self.line.line() {
-            Some(LineAddress::Serial { port }) => LatencyTimer::of_port(port, &self.ports),
+            Some(LineAddress::Serial { port }) => LatencyTimer::of_port(port, &self.ports.present),
             _ => None,
         };
         self.diagnosis.known.note_adapter(timer);

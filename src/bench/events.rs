@@ -11,6 +11,7 @@ impl Bench {
     /// Takes in the events that are waiting. True if anything changed.
     pub fn drain(&mut self) -> bool {
         let mut changed = self.pump_recordings();
+        changed |= self.take_ports();
         for _ in 0..MOST_AT_ONCE {
             let Some(event) = self.bus.try_event() else { break };
             self.take(event);
@@ -105,6 +106,7 @@ impl Bench {
             self.statistics = Statistics::default();
             self.line = LineState::Open { line };
             self.note_adapter();
+            self.look_for_ports();
         }
     }
 

@@ -1,10 +1,13 @@
 //! Files that a person hands over: what each is, by its name, and what becomes of it.
 
+use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{Action, Bench, Severity};
 use crate::bus::BusCommand;
-use crate::module::{Catalogue, add_file};
+use crate::module::{Addition, Catalogue, Standing};
+use crate::record::write_whole;
 
 /// What a file is, as far as its name tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,24 +75,32 @@ impl Bench {
         self
     }
 
-    /// The file is checked before it is copied. It counts at once: modules that were not known, and those whose definition
+    /// The definition that the file at `path` would replace, if there is one and it is another.
+    pub fn replaced_by(&self, path: &Path) -> Option<Addition> {
+        let addition = Addition::judge(self.definitions.as_deref()?, path).ok()?;
+        (addition.standing == Standing::Other).then_some(addition)
+    }
+
+    /// The file is judged before it is copied. It counts at once: modules that were not known, and those whose definition
     /// it replaces, are asked again what they are.
-    pub(super) fn add_definition(&mut self, path: &Path) {
+    pub(super) fn add_definition(&mut self, path: &Path, replace: bool) {
         let Some(folder) = self.definitions.clone() else {
             let text = "The definition was not added: there is no folder for settings – name one in DCON_BENCH_CONFIG";
             return self.notify(Severity::Error, text.to_owned());
         };
-        match add_file(&folder, path) {
-            Ok(id) => self.take_definition(&folder, &id),
-            Err(error) => self.notify(Severity::Error, format!("The definition was not added – {error}")),
+        match keep(&folder, path, replace) {
+            Ok(id) => self.take_definitions(&folder, &id),
+            Err(reason) => self.notify(Severity::Error, format!("The definition was not added – {reason}")),
         }
     }
 
-    fn take_definition(&mut self, folder: &Path, id: &str) {
-        let (catalogue, _) = Catalogue::with_folder(folder);
+    /// Knows what `folder` holds from now on, of which `id` is new.
+    fn take_definitions(&mut self, folder: &Path, id: &str) {
+        let (catalogue, faulty) = Catalogue::with_folder(folder);
         let label = catalogue.get(id).map_or_else(|| id.to_owned(), |definition| definition.label.clone());
         self.catalogue = catalogue.into();
         self.send(BusCommand::Know(self.catalogue.clone()));
+        self.tell_faulty(&faulty);
         let is_meant = |model: &str| model == id || model == "unknown";
         let asked: Vec<_> = self
             .modules
@@ -107,6 +118,22 @@ impl Bench {
             asked.into_iter().for_each(|target| self.look_for(target));
         }
     }
+}
+
+/// Writes a good definition into `folder`, over another one of its model only if it may `replace` that. Returns the id.
+fn keep(folder: &Path, path: &Path, replace: bool) -> Result<String, String> {
+    let Addition { id, text, place, standing } = Addition::judge(folder, path).map_err(|error| error.to_string())?;
+    let written = match standing {
+        Standing::Same => Ok(()),
+        Standing::Other if !replace => {
+            let place = place.display();
+            return Err(format!("{place} defines {id} in another way – add this file alone to replace that one"));
+        }
+        Standing::Other | Standing::Nothing => {
+            fs::create_dir_all(folder).and_then(|()| write_whole(&place, |mut file| file.write_all(text.as_bytes())))
+        }
+    };
+    written.map(|()| id).map_err(|error| format!("{} cannot be written: {error}", place.display()))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! wrong.
 
 use super::{Bench, Module, Presence, Reading, Severity, Topic};
-use crate::bus::{BusCommand, LineAddress, Obstacle, Tuning, adapters_without_port, ports};
+use crate::bus::{BusCommand, LineAddress, Obstacle, Tuning};
 use crate::protocol::Failure;
 use crate::record::EventKind;
 use crate::sim::{Faults, Injected, Sim};
@@ -159,16 +159,6 @@ impl Bench {
         std::mem::take(&mut self.renamed)
     }
 
-    /// What is known of adapters that have no port, as whole sentences.
-    pub fn port_hints(&self) -> &[String] {
-        &self.port_hints
-    }
-
-    pub(super) fn refresh_ports(&mut self) {
-        self.ports = ports();
-        self.port_hints = adapters_without_port().iter().map(ToString::to_string).collect();
-    }
-
     pub(super) fn line_is_restored(&mut self, line: LineAddress) {
         let Some(before) = self.line.line().cloned() else { return };
         let renamed = before.to_string() != line.to_string();
@@ -180,7 +170,7 @@ impl Bench {
         self.notify(Severity::Info, text);
         self.line = LineState::Open { line: line.clone() };
         self.wanted_line = Some(line.clone());
-        self.ports = ports();
+        self.look_for_ports();
         // The poll that was interrupted has told what it had after the loss.
         self.pause_all();
         self.modules.iter_mut().for_each(Module::line_is_restored);
@@ -206,7 +196,7 @@ impl Bench {
         self.note_line(EventKind::Lost, format!("{line} is gone ({reason})"));
         self.pause_all();
         self.modules.iter_mut().for_each(|module| module.line_is_lost(&reason));
-        self.ports = ports();
+        self.look_for_ports();
         self.line = LineState::Lost { line, reason, obstacle: None };
     }
 

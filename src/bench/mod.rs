@@ -15,6 +15,7 @@ mod module;
 mod notice;
 pub mod objects;
 mod observer;
+mod ports;
 mod recording;
 pub mod summary;
 mod switch_kind;
@@ -44,7 +45,7 @@ pub use switch_kind::SwitchKind;
 pub use tab_names::{tab_label, tab_place};
 use traffic::{FrameRef, TrafficLog};
 
-use crate::bus::{Bus, LineAddress, PortInfo, RequestId, ScanProgress, ScanSummary, Statistics, Target, Tuning, ports};
+use crate::bus::{Bus, LineAddress, RequestId, ScanProgress, ScanSummary, Statistics, Target, Tuning};
 use crate::module::{Catalogue, Explanation, FileError};
 use crate::protocol::LineSettings;
 use crate::record::{Destination, History, Viewer};
@@ -66,9 +67,7 @@ pub struct Bench {
     catalogue: Arc<Catalogue>,
     /// Where the user's own definitions are kept.
     definitions: Option<PathBuf>,
-    ports: Vec<PortInfo>,
-    /// What is to be known of adapters that have no port.
-    port_hints: Vec<String>,
+    ports: ports::Ports,
     line: LineState,
     /// The line that was asked for last, whether or not it is open.
     wanted_line: Option<LineAddress>,
@@ -111,8 +110,7 @@ impl Bench {
             bus,
             catalogue,
             definitions: crate::folders::definitions(),
-            ports: ports(),
-            port_hints: Vec::new(),
+            ports: ports::Ports::default(),
             line: LineState::default(),
             wanted_line: None,
             renamed: Vec::new(),
@@ -138,10 +136,15 @@ impl Bench {
             opened: BTreeMap::new(),
             wake: Arc::new(|| {}),
         };
-        for error in faulty_files {
-            bench.notify(Severity::Warning, format!("Module definition {error}"));
-        }
+        bench.tell_faulty(faulty_files);
         bench
+    }
+
+    /// Tells which definition files were left out, or do not do what they seem to.
+    fn tell_faulty(&mut self, files: &[FileError]) {
+        for error in files {
+            self.notify(Severity::Warning, format!("Module definition {error}"));
+        }
     }
 
     /// Replaces the clock that ages are told by.
@@ -153,6 +156,7 @@ impl Bench {
     /// Lets threads that work for the bench call `wake` when there is something new to show.
     pub fn with_wake(mut self, wake: impl Fn() + Send + Sync + 'static) -> Self {
         self.wake = Arc::new(wake);
+        self.ports.wake_with(self.wake.clone());
         self
     }
 
@@ -172,10 +176,6 @@ impl Bench {
 
     pub fn catalogue(&self) -> &Catalogue {
         &self.catalogue
-    }
-
-    pub fn ports(&self) -> &[PortInfo] {
-        &self.ports
     }
 
     pub fn line(&self) -> &LineState {

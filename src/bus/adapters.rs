@@ -115,6 +115,11 @@ fn without_driver(listed: &str) -> Vec<WithoutPort> {
 /// How long what Windows has told is believed: it takes a program of its own, and a lost line is looked for twice a second.
 #[cfg(windows)]
 const BELIEVED_FOR: std::time::Duration = std::time::Duration::from_secs(5);
+/// Given to that program, and how long it is left alone if it takes longer.
+#[cfg(windows)]
+const LONGEST_ANSWER: std::time::Duration = std::time::Duration::from_secs(3);
+#[cfg(windows)]
+const LEFT_ALONE_FOR: std::time::Duration = std::time::Duration::from_secs(60);
 
 /// What Windows tells of devices that are plugged in and have no driver (problem 28); empty where it does not tell.
 #[cfg(windows)]
@@ -123,15 +128,22 @@ fn devices_with_problems() -> String {
     use std::sync::{Mutex, PoisonError};
     use std::time::Instant;
     const NO_WINDOW: u32 = 0x0800_0000;
+    /// Until when it is believed, and what was told.
     static TOLD: Mutex<Option<(Instant, String)>> = Mutex::new(None);
     let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, text)) = told.as_ref().filter(|(at, _)| at.elapsed() < BELIEVED_FOR) {
+    if let Some((_, text)) = told.as_ref().filter(|(until, _)| Instant::now() < *until) {
         return text.clone();
     }
     let mut command = std::process::Command::new("pnputil");
-    let output = command.args(["/enum-devices", "/connected", "/problem", "28"]).creation_flags(NO_WINDOW).output();
-    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
-    *told = Some((Instant::now(), text.clone()));
+    command.args(["/enum-devices", "/connected", "/problem", "28"]).creation_flags(NO_WINDOW);
+    let (text, believed_for) = match super::asked::answer_of(command, LONGEST_ANSWER) {
+        Ok(text) => (text, BELIEVED_FOR),
+        Err(error) => {
+            log::debug!("pnputil does not tell of adapters: {error}");
+            (String::new(), LEFT_ALONE_FOR)
+        }
+    };
+    *told = Some((Instant::now() + believed_for, text.clone()));
     text
 }
 

@@ -6,12 +6,14 @@
 //! to be polled), and `worker`, which decides what is asked next.
 
 mod adapters;
+#[cfg(any(windows, test))]
+mod asked;
 mod client;
 mod codec;
 pub mod dialogue;
 mod judge;
 mod latency;
-pub mod line;
+mod lookout;
 mod message;
 mod name;
 mod ports;
@@ -29,9 +31,11 @@ pub mod transaction;
 mod watch;
 mod worker;
 
+pub use crate::line;
 pub use adapters::{NoPort, WithoutPort, adapters_without_port};
 pub use client::{Bus, BusGone};
 pub use latency::LatencyTimer;
+pub use lookout::Lookout;
 pub use message::{Answer, BusCommand, BusEvent, ItemSet, RawRequest, RequestId, Statistics, Values};
 pub use ports::{KnownPort, ListPorts, PortInfo, UsbIdentity, ports};
 pub use probes::may_be_probe;

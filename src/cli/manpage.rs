@@ -10,6 +10,8 @@ use clap_mangen::roff::{Roff, bold, roman};
 
 use super::stop::Stop;
 use super::{Cli, EXIT_CODES, Outcome, output};
+#[cfg(feature = "window")]
+use crate::renderer::Renderer;
 use crate::{folders, version};
 
 /// Options of `manpage`.
@@ -102,6 +104,8 @@ fn surroundings() -> Roff {
     let mut roff = Roff::new();
     roff.control("SH", ["ENVIRONMENT"]);
     let variables = [
+        #[cfg(feature = "window")]
+        (Renderer::VARIABLE, "What the window is drawn with, in place of --renderer: auto, opengl or wgpu."),
         (folders::OVERRIDE, "The folder of settings, definitions and recordings, in place of those below."),
         ("RUST_LOG", "What is logged to standard error: error, warn (unless set), info, debug or trace."),
     ];
@@ -135,6 +139,18 @@ mod tests {
         let whole = text(&pages[0]);
         for command in &pages[1..] {
             assert!(whole.contains(&command.get_name().replace('-', "\\-")), "{}", command.get_name());
+        }
+    }
+
+    #[test]
+    fn the_page_of_the_program_names_every_variable_that_it_heeds() {
+        let whole = text(&pages()[0]);
+        let (_, environment) = whole.split_once(".SH ENVIRONMENT").unwrap();
+        let mut variables = vec![folders::OVERRIDE, "RUST_LOG"];
+        #[cfg(feature = "window")]
+        variables.push(Renderer::VARIABLE);
+        for variable in variables {
+            assert!(environment.contains(&format!("\\fB{variable}\\fR")), "{variable}: {environment}");
         }
     }
 

@@ -4,10 +4,23 @@ use serde::Serialize;
 
 use crate::bus::NoPort;
 
-/// Something that is seen on a line, or keeps it from being opened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Symptom {
+/// The enum, and the list of all its variants, which so cannot lack one.
+macro_rules! symptoms {
+    ($($(#[$doc:meta])+ $name:ident,)+) => {
+        /// Something that is seen on a line, or keeps it from being opened.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Symptom {
+            $($(#[$doc])+ $name,)+
+        }
+
+        impl Symptom {
+            pub const ALL: &[Self] = &[$(Self::$name),+];
+        }
+    };
+}
+
+symptoms! {
     /// Nothing at every address that was asked.
     SilentLine,
     /// The same, and only one protocol was tried.

@@ -51,14 +51,13 @@ struct Source {
 impl Catalogue {
     /// The built-in definitions alone.
     pub fn built_in() -> (Self, Vec<FileError>) {
-        let texts = BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
-        Self::from_texts(texts.collect())
+        Self::from_texts(built_in_texts())
     }
 
     /// The built-in definitions, and the `*.toml` files of `folder`, which add to them or replace those of the same
     /// id. A faulty file is left out and reported; a folder that does not exist is empty.
     pub fn with_folder(folder: &Path) -> (Self, Vec<FileError>) {
-        let mut texts: Vec<_> = BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+        let mut texts = built_in_texts();
         let mut unreadable = Vec::new();
         for path in definition_files(folder) {
             let name = path.display().to_string();
@@ -157,7 +156,13 @@ fn left_out(reason: &str) -> String {
     format!("{reason} – this definition is left out")
 }
 
-fn definition_files(folder: &Path) -> Vec<std::path::PathBuf> {
+/// File name and text of each definition that comes with the program.
+pub(super) fn built_in_texts() -> Vec<(String, String)> {
+    BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect()
+}
+
+/// The definition files of `folder` in the order in which they are read.
+pub(super) fn definition_files(folder: &Path) -> Vec<std::path::PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<_> =
         entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
@@ -175,9 +180,7 @@ pub fn load_file(path: &Path) -> Result<std::sync::Arc<Definition>, FileError> {
     let unusable = |reason: String| FileError { file: name.clone(), line: None, reason };
     let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
     let mut sources: Vec<Source> = Vec::new();
-    for (name, text) in
-        BUILT_IN.map(|(name, text)| (name.to_owned(), text.to_owned())).into_iter().chain([(name.clone(), text)])
-    {
+    for (name, text) in built_in_texts().into_iter().chain([(name.clone(), text)]) {
         let file = toml::from_str::<File>(&text).map_err(|error| FileError {
             file: name.clone(),
             line: error.span().map(|span| line_of(&text, span.start)),
@@ -192,24 +195,6 @@ pub fn load_file(path: &Path) -> Result<std::sync::Arc<Definition>, FileError> {
             Err(FileError { file: name.clone(), line: Some(line_of(&source.text, at)), reason })
         }
     }
-}
-
-/// Copies a definition file into the user's folder, if it is good. Returns the model's id.
-pub fn add_file(folder: &Path, path: &Path) -> Result<String, FileError> {
-    let name = path.display().to_string();
-    let unusable = |reason: String| FileError { file: name.clone(), line: None, reason };
-    let text = std::fs::read_to_string(path).map_err(|error| unusable(error.to_string()))?;
-    let mut texts: Vec<_> = BUILT_IN.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
-    texts.push((name.clone(), text.clone()));
-    let (_, errors) = Catalogue::from_texts(texts);
-    if let Some(error) = errors.into_iter().find(|error| error.file == name) {
-        return Err(error);
-    }
-    let id = toml::from_str::<File>(&text).map_err(|error| unusable(error.message().to_owned()))?.id.into_inner();
-    let file_name = path.file_name().ok_or_else(|| unusable("it has no file name".to_owned()))?;
-    std::fs::create_dir_all(folder).map_err(|error| unusable(error.to_string()))?;
-    std::fs::write(folder.join(file_name).with_extension("toml"), text).map_err(|error| unusable(error.to_string()))?;
-    Ok(id)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! whoever can hold a conversation passes itself in as [`Ask`].
 
 pub(crate) mod access;
+mod adding;
 mod catalogue;
 mod check;
 pub(crate) mod definition;
@@ -18,7 +19,8 @@ mod value;
 pub(crate) mod write;
 
 pub(crate) use access::raw_of_value;
-pub use catalogue::{Catalogue, FileError, add_file, load_file};
+pub use adding::{Addition, Standing};
+pub use catalogue::{Catalogue, FileError, load_file};
 pub use definition::{
     Access, Action, Applies, Bits, Choice, Command, CommandAccess, Definition, Encoding, Field, FillFrom, Identity,
     Item, ItemKind, Kind, ModbusPlace, Optional,

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::bus::line::LineLost;
+use crate::line::LineLost;
 
 use super::DEMO;
 use super::device::Device;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use jiff::{SignedDuration, Timestamp};
 
-use crate::bus::line::{Line, LineLost, sleep_until};
+use crate::line::{Line, LineLost, sleep_until};
 use crate::protocol::LineSettings;
 
 use super::faults::{Code, FaultKind};

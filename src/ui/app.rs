@@ -8,6 +8,7 @@ use eframe::egui::{self, CentralPanel, Panel};
 
 use super::commands::{self, Command};
 use super::connect::Connect;
+use super::connect::recent::{self, Again};
 use super::dialogs::Dialogs;
 use super::faults::FaultsPanel;
 use super::guard::{Confirm, Guard};
@@ -62,6 +63,10 @@ pub struct Pass<'a> {
     pub poll_plan: &'a mut bool,
     /// Set to show the faults of the simulated line.
     pub faults: &'a mut bool,
+    /// A line to be connected as last time.
+    pub again: &'a mut Option<Again>,
+    /// Set to ask for a definition file.
+    pub add_definition: &'a mut bool,
     /// The pane that the user works in: commands and keys are meant for it.
     pub active: Pane,
 }
@@ -80,6 +85,8 @@ pub struct App {
     faults: FaultsPanel,
     recordings: Recordings,
     export_form: ExportForm,
+    /// A line to be connected as last time, when the ports are known.
+    again: Option<Again>,
     /// What was chosen before a demonstration, which is not to be remembered.
     line_before_demo: Option<LineChoice>,
     /// Where the settings are kept; nowhere in tests.
@@ -106,10 +113,12 @@ impl App {
             faults: FaultsPanel::default(),
             recordings: Recordings::default(),
             export_form: ExportForm::default(),
+            again: None,
             line_before_demo: None,
             settings_file: None,
         };
         app.bench.apply(Action::Tune(app.settings.tuning()));
+        app.bench.apply(Action::RefreshPorts);
         if demo {
             app.line_before_demo = Some(app.settings.line.clone());
             let action = app.connect.try_simulated(&mut app.settings);
@@ -231,10 +240,11 @@ impl App {
             faults,
             recordings,
             export_form,
+            again,
             ..
         } = self;
         let palette = theme::palette(ui);
-        let (mut show_plan, mut show_faults) = (false, false);
+        let (mut show_plan, mut show_faults, mut add_definition) = (false, false, false);
         let (mut confirm, mut save, mut export, mut closing, mut commands) = (None, None, None, Vec::new(), Vec::new());
         let mut pass = Pass {
             bench,
@@ -249,6 +259,8 @@ impl App {
             commands: &mut commands,
             poll_plan: &mut show_plan,
             faults: &mut show_faults,
+            again,
+            add_definition: &mut add_definition,
             active: panes.active(),
         };
         commands::take_typed(ui.ctx(), pass.commands);
@@ -286,6 +298,9 @@ impl App {
         }
         poll_plan.open |= show_plan;
         faults.open |= show_faults;
+        if add_definition {
+            dialogs.ask_for_definition(ui.ctx());
+        }
         if let Some(save) = save {
             dialogs.ask_to_save(ui.ctx(), save);
         }
@@ -309,6 +324,16 @@ impl App {
         if let Some(pane) = outcome.close {
             self.close(pane);
         }
+    }
+
+    /// Connects a line as last time, if one waits for that and the ports are known.
+    fn connect_again(&mut self) {
+        if self.bench.is_looking_for_ports() {
+            return;
+        }
+        let Some(wanted) = self.again.take() else { return };
+        let action = recent::connect_now(wanted, &self.bench, &mut self.settings);
+        self.apply(action.unwrap_or_else(|reason| Action::Notify(Severity::Error, reason)));
     }
 
     /// Opens what was dropped onto the window.
@@ -337,9 +362,13 @@ impl eframe::App for App {
             self.connect.follow(&now);
             self.settings.follow_line(&before, &now);
         }
-        if let LineState::Open { line } = self.bench.line() {
+        // Ports that are being looked for may be others than those that are known.
+        if let LineState::Open { line } = self.bench.line()
+            && !self.bench.is_looking_for_ports()
+        {
             self.settings.note_line(line, self.bench.settings(), self.bench.ports());
         }
+        self.connect_again();
         if let Some(action) = self.recordings.begin(&self.bench, &self.settings) {
             self.bench.apply(action);
         }

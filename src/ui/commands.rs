@@ -4,7 +4,7 @@
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers, ViewportCommand, ViewportId, gui_zoom::kb_shortcuts};
 
 use super::app::Pass;
-use super::connect::{self, Ready};
+use super::connect::{self, Ready, recent::Again};
 use super::faults;
 use super::module_view;
 use super::panes::{Pane, Panes};
@@ -47,6 +47,7 @@ pub enum Command {
     Larger,
     Smaller,
     NormalSize,
+    AddDefinition,
     Help,
     About,
     Quit,
@@ -63,7 +64,7 @@ pub const TABS: &[Command] =
     &[NextPane, PreviousPane, Dashboard, Trends, Traffic, Diagnosis, Beside, OwnWindow, ClosePane];
 pub const RECORDING: &[Command] = &[ToggleRecording, OpenRecording, ExportReadings];
 pub const SIZE: &[Command] = &[Larger, Smaller, NormalSize];
-pub const PROGRAM: &[Command] = &[Help, About, Quit];
+pub const PROGRAM: &[Command] = &[AddDefinition, Help, About, Quit];
 
 /// All commands with the titles of their groups.
 pub const GROUPS: [(&str, &[Command]); 6] = [
@@ -128,6 +129,7 @@ impl Command {
             Larger => "Larger",
             Smaller => "Smaller",
             NormalSize => "Normal size",
+            AddDefinition => "Add definition file…",
             Help => "Help on this tab",
             About => "About and licences…",
             Quit => "Quit",
@@ -178,6 +180,7 @@ impl Command {
             OwnWindow => "Puts the tab into a window of its own, or back",
             ClosePane => "The module stays in the list and goes on being polled",
             Larger | Smaller | NormalSize => "Everything in the window",
+            AddDefinition => "Makes a model known that is not built in, as a file dropped onto the window does",
             Help => "How to use it, what goes wrong, and every command and register; works offline",
             About => "Version, folders, and what the program is built from",
             Quit => "Asks first if a change is not written",
@@ -202,7 +205,7 @@ impl Command {
             WriteAll => Some(module_view::WRITE_ALL),
             Undo => command(Key::Z),
             Redo => shifted(Key::Z),
-            RevertAll | TogglePolling | Remove | PollPlan | Faults | About => None,
+            RevertAll | TogglePolling | Remove | PollPlan | Faults | AddDefinition | About => None,
             Help => Some(KeyboardShortcut::new(Modifiers::NONE, Key::F1)),
             NextTab => ctrl(Modifiers::NONE, Key::PageDown),
             PreviousTab => ctrl(Modifiers::NONE, Key::PageUp),
@@ -282,7 +285,7 @@ impl Command {
             }
             ClosePane => unless(pass.active != Pane::Dashboard, "The dashboard stays open"),
             PollPlan | NextPane | PreviousPane | Dashboard | Traffic | Trends | Diagnosis | OpenRecording | Beside
-            | OwnWindow | Larger | Smaller | NormalSize | Help | About | Quit => None,
+            | OwnWindow | Larger | Smaller | NormalSize | AddDefinition | Help | About | Quit => None,
         }
     }
 
@@ -296,7 +299,7 @@ impl Command {
         match (self, module) {
             (QuickScan, _) => connect::scan_with(pass, connect::plan_of(Ready::Quick, pass.settings)),
             (FullScan, _) => connect::scan_with(pass, connect::plan_of(Ready::Full, pass.settings)),
-            (ConnectAgain, _) => connect::recent::connect_latest(pass),
+            (ConnectAgain, _) => connect::recent::ask(pass, Again::Latest),
             (StopScan, _) => pass.actions.push(Action::CancelScan),
             (CloseLine, _) => pass.actions.push(Action::Disconnect),
             (PollAll, _) => pass.actions.push(Action::PollAll(true)),
@@ -328,6 +331,7 @@ impl Command {
             (Larger, _) => settings::zoom_by(ctx, 1.0),
             (Smaller, _) => settings::zoom_by(ctx, -1.0),
             (NormalSize, _) => ctx.set_zoom_factor(1.0),
+            (AddDefinition, _) => *pass.add_definition = true,
             (Help, _) => panes.show_help(pass),
             (About, _) => panes.views.about.open(pass),
             (Quit, _) => ctx.send_viewport_cmd_to(ViewportId::ROOT, ViewportCommand::Close),

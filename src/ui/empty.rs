@@ -13,10 +13,17 @@ pub fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
         match pass.bench.scan() {
             Some(ScanState::Running { .. }) => searching(ui),
             Some(ScanState::Ended(_)) => nothing_found(ui, pass),
-            None if pass.connect.line(pass.bench, pass.settings).is_err() => no_port(ui, pass),
-            None => not_searched(ui, pass),
+            None if pass.connect.line(pass.bench, pass.settings).is_ok() => not_searched(ui, pass),
+            None if pass.bench.knows_no_ports_yet() => looking(ui),
+            None => no_port(ui, pass),
         }
     });
+}
+
+fn looking(ui: &mut Ui) {
+    let palette = theme::palette(ui);
+    let lines = ["They stand in the list at the top left as soon as the system has told them."];
+    widgets::empty_state(ui, palette, "Looking for serial ports", &lines);
 }
 
 fn searching(ui: &mut Ui) {

@@ -1,12 +1,15 @@
 //! Asks before something is done that cannot be taken back: leaving changes that are not written, stopping Host OK, or
 //! what a part of the window wants confirmed.
 
+use std::path::Path;
+
 use eframe::egui::{Context, Key, RichText, Ui, ViewportCommand};
 
 use super::panes::Pane;
 use super::{modal, theme, widgets};
 use crate::bench::{Action, Bench, Module};
 use crate::bus::Target;
+use crate::module::Addition;
 
 /// A question with its consequences.
 #[derive(Debug, Clone)]
@@ -73,6 +76,13 @@ impl Guard {
 
     /// The action if it may be carried out at once; else it is held until the user has decided.
     pub fn pass(&mut self, bench: &Bench, action: Action) -> Option<Action> {
+        if let Action::AddDefinition(path) = &action
+            && self.held.is_none()
+            && let Some(there) = bench.replaced_by(path)
+        {
+            self.held = Some(Held::Confirm(replacing(&there, path)));
+            return None;
+        }
         let targets = match &action {
             Action::Disconnect | Action::Connect { .. } => all_that_hold_back(bench),
             Action::Scan { line, .. } => match bench.line().line() {
@@ -213,6 +223,20 @@ impl Guard {
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
         }
+    }
+}
+
+/// Asks whether the definition at `path` shall take the place of the one that is there.
+fn replacing(there: &Addition, path: &Path) -> Confirm {
+    let Addition { id, place, .. } = there;
+    Confirm {
+        title: "Replace a definition?".to_owned(),
+        lines: vec![
+            format!("{} defines {id} in another way.", place.display()),
+            format!("{} takes its place.", path.display()),
+        ],
+        button: "Replace".to_owned(),
+        actions: vec![Action::ReplaceDefinition(path.to_owned())],
     }
 }
 

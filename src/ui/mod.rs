@@ -60,8 +60,7 @@ use crate::bus::{Bus, LineAddress};
 use crate::module::Catalogue;
 use crate::renderer::Renderer;
 use crate::sim::{Fault, FaultError};
-
-const NAME: &str = "dcon-bench";
+use crate::version::NAME;
 
 /// Shows the window until it is closed, drawn with `renderer`, or as the environment says. The simulated line goes wrong with
 /// `faults` from the start.

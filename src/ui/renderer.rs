@@ -15,10 +15,10 @@ use std::time::Instant;
 
 use eframe::egui::{Context, ViewportId};
 
-use super::NAME;
 #[cfg(windows)]
 use crate::errors;
 use crate::renderer::Renderer;
+use crate::version::NAME;
 
 /// Whether a window has been seen: what fails before was the renderer, or the start of the window with it.
 #[derive(Clone, Debug, Default)]

@@ -8,6 +8,8 @@ use dcon_bench::module::Catalogue;
 use dcon_bench::sim::{Pace, Sim};
 use dcon_bench::ui::App;
 use eframe::egui::HoveredFile;
+use eframe::egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
 
 use crate::harness::*;
 
@@ -15,7 +17,7 @@ const SMALL: &str = include_str!("../vectors/tm-1.toml");
 
 fn window_with_definitions(sim: &Sim, folder: &Path) -> Window {
     let (start, folder) = (start(sim, false, simulated()), folder.to_owned());
-    window_of(move |ctx| App::new(ctx, bench(ctx).with_definitions_in(folder), start))
+    window_of(move |ctx| App::new(ctx, bench(ctx).with_definitions_in(folder), start).without_system_dialogs())
 }
 
 #[test]
@@ -70,6 +72,60 @@ fn while_files_hover_the_window_says_what_will_become_of_them() {
     window.step();
     window.step();
     assert!(!shows(&window, "Drop to open"));
+}
+
+#[test]
+fn another_definition_of_a_model_is_replaced_only_when_that_is_wanted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, kept) = (folder.path().join("module.toml"), folder.path().join("modules/tm-1.toml"));
+    let newer = SMALL.replace("label = \"TM-1\"", "label = \"TM-1 new\"");
+    std::fs::create_dir(folder.path().join("modules")).unwrap();
+    std::fs::write(&kept, SMALL).unwrap();
+    std::fs::write(&file, &newer).unwrap();
+    let mut window = window_with_definitions(&sim(&[], Pace::Skip), &folder.path().join("modules"));
+    drop_files(&mut window, std::slice::from_ref(&file));
+    until(&mut window, "the question", |window| shows(window, "Replace a definition?"));
+    assert!(shows(&window, "tm-1.toml defines tm-1 in another way"));
+    click(&mut window, Role::Button, "Cancel");
+    assert_eq!(std::fs::read_to_string(&kept).unwrap(), SMALL);
+    // Only one question stands at a time; the other file is refused, with a way out.
+    drop_files(&mut window, &[file.clone(), file]);
+    assert!(told(&window, "tm-1.toml defines tm-1 in another way – add this file alone"), "{:?}", notices(&window));
+    click(&mut window, Role::Button, "Replace");
+    until(&mut window, "it is told", |window| told(window, "The definition of TM-1 new was added"));
+    assert_eq!(std::fs::read_to_string(&kept).unwrap(), newer);
+    let files = std::fs::read_dir(folder.path().join("modules")).unwrap();
+    assert_eq!(files.count(), 1, "nothing is left of the writing");
+}
+
+#[test]
+fn what_the_new_definition_leaves_faulty_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let modules = folder.path().join("modules");
+    std::fs::create_dir(&modules).unwrap();
+    std::fs::write(modules.join("broken.toml"), "id = 5").unwrap();
+    let file = folder.path().join("tm-1.toml");
+    std::fs::write(&file, SMALL).unwrap();
+    let mut window = window_with_definitions(&sim(&[], Pace::Skip), &modules);
+    drop_files(&mut window, &[file]);
+    assert!(told(&window, "The definition of TM-1 was added"), "{:?}", notices(&window));
+    assert!(told(&window, "broken.toml, line 1"), "{:?}", notices(&window));
+}
+
+#[test]
+fn the_menu_adds_a_definition_where_nothing_can_be_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tm-1.toml");
+    std::fs::write(&file, SMALL).unwrap();
+    let mut window = window_with_definitions(&sim(&[], Pace::Skip), &folder.path().join("modules"));
+    click(&mut window, Role::Button, "Menu");
+    click(&mut window, Role::MenuItem, "Add definition file…");
+    until(&mut window, "the field", |window| window.query_by_role_and_label(Role::TextInput, "Path").is_some());
+    window.get_by_role_and_label(Role::TextInput, "Path").type_text(&file.display().to_string());
+    window.step();
+    click(&mut window, Role::Button, "Add");
+    until(&mut window, "it is told", |window| told(window, "The definition of TM-1 was added"));
+    assert!(folder.path().join("modules/tm-1.toml").exists());
 }
 
 fn notices(window: &Window) -> Vec<String> {

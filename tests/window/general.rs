@@ -97,9 +97,11 @@ fn a_newer_notice_moves_none_in_the_open_list_until_it_is_asked_for() {
 fn without_a_port_the_window_offers_the_simulated_line() {
     let sim = sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip);
     let mut window = window_with(&sim, false, Settings::default());
+    until(&mut window, "the ports are known", |window| !window.state().bench().is_looking_for_ports());
     if !window.state().bench().ports().is_empty() {
         return;
     }
+    window.step();
     assert!(shows(&window, "There is no serial port"));
     click(&mut window, Role::Button, "Try the simulated line");
     until(&mut window, "the scan ends", scan_ended);

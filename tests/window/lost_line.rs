@@ -148,10 +148,11 @@ fn an_adapter_that_returns_under_another_name_is_the_line_from_then_on() {
     tell(&mut window, BusEvent::LineRestored { line });
     assert!(shows(&window, "/dev/ttyUSB1 open"));
     assert!(told(window.state().bench(), "/dev/ttyUSB0 is there again as /dev/ttyUSB1"));
-    let settings = window.state().settings();
-    assert_eq!(settings.line, LineChoice::Port("/dev/ttyUSB1".to_owned()));
-    let names: Vec<&str> = settings.recent_ports.iter().map(RecentLine::name).collect();
-    assert_eq!(names, ["/dev/ttyUSB1", "/dev/ttyUSB0"]);
+    assert_eq!(window.state().settings().line, LineChoice::Port("/dev/ttyUSB1".to_owned()));
+    until(&mut window, "it is remembered", |window| {
+        let names = window.state().settings().recent_ports.iter().map(RecentLine::name);
+        names.eq(["/dev/ttyUSB1", "/dev/ttyUSB0"])
+    });
 }
 
 fn dismissals(window: &Window) -> Vec<String> {

@@ -21,6 +21,7 @@ mod lost_line;
 mod names;
 mod panes;
 mod poll_plan;
+mod ports;
 mod recording;
 mod relay;
 mod small;

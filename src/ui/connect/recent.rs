@@ -13,6 +13,14 @@ use crate::ui::tables::{Sheet, copied_row};
 use crate::ui::theme;
 use crate::ui::widgets::{self, Glyph};
 
+/// What is connected as last time once it is known which ports there are: it may have been plugged in since they were looked
+/// for, or another adapter may have its name.
+pub enum Again {
+    /// The line that was opened last of those that are there.
+    Latest,
+    This(RecentLine),
+}
+
 /// The rows of the list of lines; nothing while no line was opened yet.
 pub fn rows(ui: &mut Ui, pass: &mut Pass<'_>, shown: &mut Vec<RecentLine>) {
     if shown.is_empty() {
@@ -143,29 +151,43 @@ pub fn latest<'a>(bench: &Bench, settings: &'a Settings) -> Option<&'a RecentLin
 
 /// Why nothing can be connected as last time, if so.
 pub fn obstacle(bench: &Bench, settings: &Settings) -> Option<String> {
-    match (latest(bench, settings), settings.recent_ports.is_empty()) {
+    match settings.recent_ports.is_empty() {
         _ if bench.is_scanning() => Some("A scan is running".to_owned()),
-        (Some(_), _) => None,
-        (None, true) => Some("No line was opened yet: choose one and scan".to_owned()),
-        (None, false) => Some("None of the recent lines is there: plug the adapter in".to_owned()),
+        true => Some("No line was opened yet: choose one and scan".to_owned()),
+        false => None,
     }
 }
 
-/// Opens the line that was opened last, as it was then, and searches it.
-pub fn connect_latest(pass: &mut Pass<'_>) {
-    let Some(recent) = latest(pass.bench, pass.settings).cloned() else { return };
-    if let Ok(action) = again(pass.bench, pass.settings, &recent) {
-        choose(pass.bench, pass.settings, &recent);
-        pass.actions.push(action);
+/// Looks for the ports, and wants a line connected when they are known.
+pub fn ask(pass: &mut Pass<'_>, wanted: Again) {
+    *pass.again = Some(wanted);
+    pass.actions.push(Action::RefreshPorts);
+}
+
+/// Chooses the line that is `wanted`, as it was opened last; the action opens and searches it.
+///
+/// # Errors
+/// Why it cannot be opened.
+pub fn connect_now(wanted: Again, bench: &Bench, settings: &mut Settings) -> Result<Action, String> {
+    if let Some(reason) = obstacle(bench, settings) {
+        return Err(reason);
     }
+    let recent = match wanted {
+        Again::This(recent) => Some(recent),
+        Again::Latest => latest(bench, settings).cloned(),
+    };
+    let recent = recent.ok_or("None of the recent lines is there – plug the adapter in and connect again")?;
+    let action = again(bench, settings, &recent)?;
+    choose(bench, settings, &recent);
+    Ok(action)
 }
 
 /// A button for that, where there is nothing else to see yet.
 pub fn offer(ui: &mut Ui, pass: &mut Pass<'_>) {
-    let Some(recent) = latest(pass.bench, pass.settings) else { return };
-    let (name, state) = told(pass.bench, recent);
+    let Some(recent) = latest(pass.bench, pass.settings).cloned() else { return };
+    let (name, state) = told(pass.bench, &recent);
     let button = ui.add_enabled(!pass.bench.is_scanning(), eframe::egui::Button::new(format!("Connect {name}")));
     if button.on_hover_text(format!("{state}\nOpens it as last time and does a quick scan")).clicked() {
-        connect_latest(pass);
+        ask(pass, Again::This(recent));
     }
 }

@@ -7,6 +7,7 @@ use super::{Pane, Panes, Wish};
 use crate::ui::app::Pass;
 use crate::ui::dialogs::Dialogs;
 use crate::ui::{commands, theme, widgets};
+use crate::version::NAME;
 
 impl Panes {
     pub(super) fn show_windows(
@@ -24,7 +25,8 @@ impl Panes {
         for pane in windows.iter().copied() {
             let name = title(pass.bench, pane);
             let builder = ViewportBuilder::default()
-                .with_title(format!("{name} – dcon-bench"))
+                .with_title(format!("{name} – {NAME}"))
+                .with_app_id(NAME)
                 .with_inner_size(theme::WINDOW_OWN)
                 .with_min_inner_size(theme::WINDOW_LEAST);
             ctx.show_viewport_immediate(viewport_id(pane), builder, |ui, class| {

@@ -236,10 +236,11 @@ impl Settings {
     /// Remembers a line that was opened with these settings; `present` are the ports that are there.
     pub fn note_line(&mut self, line: &LineAddress, settings: LineSettings, present: &[PortInfo]) {
         let Some(recent) = RecentLine::of(line, settings, present) else { return };
+        let recent = recent.known_from(&self.recent_ports, present);
         if self.recent_ports.first() == Some(&recent) {
             return;
         }
-        self.recent_ports.retain(|other| !other.is_same(&recent));
+        self.recent_ports.retain(|other| !recent.replaces(other));
         self.recent_ports.insert(0, recent);
         self.recent_ports.truncate(RECENT_PORTS);
     }

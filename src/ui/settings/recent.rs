@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bus::{KnownPort, LineAddress, MODBUS_TCP_PORT, PortInfo, UsbIdentity};
+use crate::bus::{KnownPort, LineAddress, MODBUS_TCP_PORT, PortInfo, UsbIdentity, port_name};
 use crate::protocol::LineSettings;
 
 /// Lines remembered.
@@ -156,10 +156,24 @@ impl RecentLine {
         KnownPort { port, alike: self.alike.clone() }
     }
 
-    /// Whether both are the same line: by name, or the same adapter at another place.
-    pub fn is_same(&self, other: &Self) -> bool {
-        let with_serial = |line: &Self| line.usb.as_ref().is_some_and(|usb| usb.serial.is_some());
-        self.line == other.line || (with_serial(self) && self.usb == other.usb)
+    /// Itself, with what is known of its adapter since the system listed it, if it does not now.
+    pub fn known_from(self, known: &[Self], present: &[PortInfo]) -> Self {
+        let name = port_name(&self.line);
+        if present.iter().any(|port| port.name == name) {
+            return self;
+        }
+        match known.iter().find(|other| other.line == self.line && other.usb.is_some()) {
+            Some(before) => Self { settings: self.settings, ..before.clone() },
+            None => self,
+        }
+    }
+
+    /// Whether it stands for `other` too: by its name, unless only `other` is an adapter, or as the same adapter at another
+    /// place.
+    pub fn replaces(&self, other: &Self) -> bool {
+        let same_name = self.line == other.line && (self.usb.is_some() || other.usb.is_none());
+        let same_adapter = self.usb.as_ref().is_some_and(|usb| usb.serial.is_some()) && self.usb == other.usb;
+        same_name || same_adapter
     }
 
     /// Whether anything is known that can be remembered.
@@ -208,6 +222,29 @@ mod tests {
         assert_eq!(settings.recent_ports.len(), 1);
         assert_eq!(settings.recent_ports[0].name(), "COM7");
         assert_eq!(settings.recent_ports[0].settings, Some(LineSettings::default()));
+    }
+
+    #[test]
+    fn what_is_known_of_an_adapter_outlives_a_list_without_it() {
+        let mut settings = Settings::default();
+        settings.note_line(&serial("COM3"), fast(), &[adapter("COM3", "A1")]);
+        settings.note_line(&serial("COM3"), LineSettings::default(), &[]);
+        assert_eq!(settings.recent_ports.len(), 1);
+        assert_eq!(settings.recent_ports[0].settings, Some(LineSettings::default()));
+        let present = [adapter("COM7", "A1")];
+        assert_eq!(settings.recent_ports[0].now(&present), Now::There(&present[0]));
+    }
+
+    #[test]
+    fn a_port_that_is_no_adapter_stands_beside_the_adapter_that_had_its_name() {
+        let mut settings = Settings::default();
+        settings.note_line(&serial("COM3"), fast(), &[adapter("COM3", "A1")]);
+        let built_in = [PortInfo { usb: None, description: "built in".to_owned(), ..adapter("COM3", "") }];
+        settings.note_line(&serial("COM3"), fast(), &built_in);
+        let described: Vec<&str> = settings.recent_ports.iter().map(RecentLine::description).collect();
+        assert_eq!(described, ["built in", "FT232"]);
+        settings.note_line(&serial("COM3"), fast(), &[adapter("COM3", "A1")]);
+        assert_eq!(settings.recent_ports.len(), 1, "the adapter has its name back");
     }
 
     #[test]
