@@ -120,7 +120,8 @@ fn another_definition_of_a_model_is_replaced_only_when_that_is_wanted() {
     std::fs::write(&file, &newer).unwrap();
     let mut window = window_with_definitions(&sim(&[], Pace::Skip), &folder.path().join("modules"));
     drop_files(&mut window, std::slice::from_ref(&file));
-    assert!(shows(&window, "Replace a definition?") && shows(&window, "tm-1.toml defines tm-1 in another way"));
+    until(&mut window, "the question", |window| shows(window, "Replace a definition?"));
+    assert!(shows(&window, "tm-1.toml defines tm-1 in another way"));
     click(&mut window, Role::Button, "Cancel");
     assert_eq!(std::fs::read_to_string(&kept).unwrap(), SMALL);
     // Only one question stands at a time; the other file is refused, with a way out.

@@ -1,7 +1,7 @@
 //! The ports that the system tells of, at its own time.
 
+use std::sync::Mutex;
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, Mutex};
 
 use dcon_bench::bus::{LineAddress, PortInfo, UsbIdentity};
 use dcon_bench::protocol::LineSettings;
