@@ -128,7 +128,7 @@ fn on_port(name: &str) -> (Window, impl Fn(&mut Window, BusEvent)) {
     let line = LineAddress::Serial { port: name.to_owned() };
     window.state_mut().apply(Action::Connect { line, settings: LineSettings::default() });
     window.state_mut().take(BusEvent::Opened { id: RequestId(1), line: name.to_owned() });
-    window.step();
+    until(&mut window, "the ports are known", |window| !window.state().bench().is_looking_for_ports());
     let tell = move |window: &mut Window, event| {
         let _held_open = &commands;
         window.state_mut().take(event);
