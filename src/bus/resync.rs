@@ -40,7 +40,7 @@ impl Dialogue {
                 for (address, checksum) in asked {
                     let owing = Target { address, checksum, ..*target };
                     if address == target.address {
-                        self.ask_for_known_name(&owing, window, Alone::Waived)?;
+                        self.ask_until_paid(&owing, shape, window)?;
                     } else {
                         self.ask_another(&owing, shape, window);
                     }
@@ -51,21 +51,30 @@ impl Dialogue {
         }
     }
 
-    /// Asks another module, whose late answer could be taken for one to `shape`, until it shows that none will come, or until
-    /// none can come any more: the line is back as soon as that module is.
+    /// Asks another module until it shows that no late answer of it will come, or until none can come any more: the line is
+    /// back as soon as that module is.
     fn ask_another(&mut self, owing: &Target, shape: Shape, window: Duration) {
-        let owes = |dialogue: &Self| match &dialogue.link {
-            Link::Wire(wire) => {
-                wire.owed(shape).into_iter().any(|owed| owed.dcon_module() == Some((owing.address, owing.checksum)))
-            }
-            Link::Tcp(_) => false,
-        };
-        while owes(self) && !self.is_in_a_hurry() {
-            match self.ask_for_known_name(owing, window, Alone::Waived) {
-                Ok(()) | Err(Failure::LineLost(_)) => return,
-                Err(_) => {}
+        while self.can_pay(owing, shape) && !self.is_in_a_hurry() {
+            if let Err(Failure::LineLost(_)) = self.ask_until_paid(owing, shape, window) {
+                return;
             }
         }
+    }
+
+    /// Asks a DCON module for its name. What comes may be the answer to an earlier such question, so that others which were
+    /// asked in between are still open: then it is asked once more.
+    fn ask_until_paid(&mut self, owing: &Target, shape: Shape, window: Duration) -> Result<(), Failure> {
+        while self.can_pay(owing, shape) {
+            self.ask_for_known_name(owing, window, Alone::Waived)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a late answer of `owing` could be taken for one to `shape`, and its name is known, which would show that none comes.
+    fn can_pay(&self, owing: &Target, shape: Shape) -> bool {
+        let Link::Wire(wire) = &self.link else { return false };
+        let asked = Some((owing.address, owing.checksum));
+        self.names.contains_key(owing) && wire.owed(shape).into_iter().any(|owed| owed.dcon_module() == asked)
     }
 
     /// After questions to `target`: makes certain that their answers were not each one question late. On failure the

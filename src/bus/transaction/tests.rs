@@ -254,3 +254,20 @@ fn another_name_is_an_answer_too_so_that_another_module_is_noticed() {
     let (mut wire, _) = wire(&[&[(20, b"!01PIR130\r")]]);
     assert_eq!(wire.probe(b"$01M\r", &name, WINDOW), Ok((b"!01PIR130".to_vec(), false)));
 }
+
+#[test]
+fn a_name_that_may_be_an_earlier_one_leaves_what_was_asked_in_between_open_until_it_is_asked_for_once_more() {
+    let (any, name) = (addressed(Content::Any), addressed(Content::Name(NAME.to_vec())));
+    let answer: &[(u64, &[u8])] = &[(20, b"!01PIR234\r")];
+    let (mut wire, sent) = wire(&[&[], &[], answer, answer, &[(20, b"!0105\r")]]);
+    let shape = Shape::of_request(b"$012\r", &any).unwrap();
+    assert_eq!(wire.probe(b"$01M\r", &name, WINDOW), Err(Failure::Silent));
+    assert_eq!(wire.exchange(b"$012\r", &any, WINDOW), Err(Failure::Silent));
+    for still_open in [true, false] {
+        assert_eq!(wire.probe(b"$01M\r", &name, WINDOW), Ok((NAME.to_vec(), false)));
+        assert_eq!(!wire.owed(shape).is_empty(), still_open);
+    }
+    assert_eq!(wire.exchange(b"~01RD\r", &any, WINDOW), Ok(b"!0105".to_vec()));
+    let sent = sent.lock().unwrap();
+    assert!(sent[4] - sent[1] < Duration::from_millis(400), "nothing is waited for until it can come no more");
+}
