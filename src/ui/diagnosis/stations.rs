@@ -58,7 +58,7 @@ impl Row {
             below: line.name.clone(),
             exchanges: line.exchanges,
             failed: None,
-            times: line.answer_time.clone(),
+            times: line.answer_time,
             worst: line.findings.iter().map(|finding| finding.severity).max(),
         }
     }
@@ -70,7 +70,7 @@ impl Row {
             below: words::spoken(&module.target),
             exchanges: module.exchanges,
             failed: Some(words_of_share(module.error_rate)),
-            times: module.answer_time.clone(),
+            times: module.answer_time,
             worst: module.worst(),
         }
     }
