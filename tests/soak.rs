@@ -6,7 +6,7 @@ mod program;
 use program::{bad, bench, text};
 use serde_json::Value;
 
-const ROWS: [&str; 58] = [
+const ROWS: [&str; 59] = [
     "duration_s",
     "seed",
     "modules",
@@ -37,6 +37,7 @@ const ROWS: [&str; 58] = [
     "answers_with_noise",
     "answers_with_echo",
     "unasked_bytes",
+    "undisturbed_ms",
     "line",
     "frames_not_seen",
     "values_accepted",
