@@ -48,7 +48,7 @@ pub struct ExportArgs {
     /// The recording
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// csv, jsonl or parquet [default: by the ending of --out, otherwise csv]
+    /// csv, jsonl or parquet [default: by the ending of --out; csv for .txt and without one]
     #[arg(long, value_parser = format)]
     format: Option<Format>,
     /// Write this file instead of standard output; one that is there is replaced when the new one is whole
@@ -83,6 +83,9 @@ pub struct ExportArgs {
 fn format(text: &str) -> Result<Format, String> {
     Format::by_word(text).ok_or_else(|| format!("\"{text}\" is not a format: use csv, jsonl or parquet"))
 }
+
+/// The ending of a file that may be CSV as well.
+const TEXT: &str = "txt";
 
 fn rows(text: &str) -> Result<Rows, String> {
     match text.trim().to_ascii_lowercase().as_str() {
@@ -152,6 +155,14 @@ impl ExportArgs {
             return Err(Stop::usage("Parquet is not for terminals: give --out FILE, or send the output elsewhere"));
         }
         let Some(out) = &self.out else { return Ok(()) };
+        let unknown = out.extension().filter(|ending| Format::of_path(out).is_none() && *ending != TEXT);
+        if let (None, Some(ending)) = (self.format, unknown) {
+            let endings = Format::ALL.map(Format::word).join(", ");
+            let ending = ending.to_string_lossy();
+            let text =
+                format!("\"{ending}\" is not the ending of a format: use one of {endings}, or choose with --format");
+            return Err(Stop::usage(text));
+        }
         if out.is_dir() {
             return Err(Stop::usage(format!("{} is a folder: add the name of a file", out.display())));
         }

@@ -68,7 +68,7 @@ impl TrafficView {
                 pass.actions.push(Action::ClearTraffic);
                 self.selection.clear();
             }
-            tables::count(ui, self.frames.view().len(), pass.bench.traffic().len(), "frames");
+            tables::count(ui, self.frames.view().len(), pass.bench.traffic().len(), "frame");
         });
     }
 

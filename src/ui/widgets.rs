@@ -223,9 +223,14 @@ pub fn fixed_coloured(ui: &mut Ui, width: f32, align: Align, text: &str, colour:
     response
 }
 
-/// What stands to the right of everything else in a row.
+/// What stands to the right of everything else in a row, or in a row of its own.
 pub fn at_right(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
-    ui.with_layout(Layout::right_to_left(Align::Center), contents);
+    let layout = Layout::right_to_left(Align::Center);
+    if ui.layout().is_horizontal() {
+        ui.with_layout(layout, contents);
+    } else {
+        ui.allocate_ui_with_layout(vec2(ui.available_width(), theme::CONTROL_HEIGHT), layout, contents);
+    }
 }
 
 /// A button with a small triangle that opens a menu.

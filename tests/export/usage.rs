@@ -66,6 +66,7 @@ fn wrong_usage_ends_with_2() {
         ("export f --rows sample --within 1s", "--within"),
         ("export f --list --from 09:30", "--list"),
         ("export f --out /", "is a folder"),
+        ("export f --out f.xlsx", "use one of csv, jsonl, parquet"),
         ("record --tcp localhost:1 1:dcon --out f", "DCON is not spoken"),
         ("record --tcp localhost:1 1:9600 --out f", "leave them out"),
     ] {

@@ -202,7 +202,7 @@ fn a_recording_ends_after_its_time_and_is_continued_by_the_next() {
     let path = folder.path().join("hall.sqlite");
     let file = path.to_str().unwrap();
     let record = |modules: &[&str]| {
-        let args = ["record", "--demo", "--interval", "0", "--duration", "1500ms", "--out", file].into_iter();
+        let args = ["record", "--demo", "--interval", "0", "--duration", "3s", "--out", file].into_iter();
         bench(&args.chain(modules.iter().copied()).collect::<Vec<_>>())
     };
     let first = record(&["1", "0xA3:dcon", "99"]);

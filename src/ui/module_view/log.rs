@@ -88,9 +88,9 @@ impl Log {
             }
             let shown = self.rows.len();
             match self.mode {
-                Mode::Events => tables::count(ui, shown, module.journal.len(), "events"),
-                Mode::Communication => tables::count(ui, shown, shown, "frames"),
-                Mode::Both => tables::count(ui, shown, shown, "rows"),
+                Mode::Events => tables::count(ui, shown, module.journal.len(), "event"),
+                Mode::Communication => tables::count(ui, shown, shown, "frame"),
+                Mode::Both => tables::count(ui, shown, shown, "row"),
             }
         });
     }

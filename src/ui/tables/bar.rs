@@ -79,7 +79,8 @@ fn captures(ui: &mut Ui) -> Option<Asked> {
 }
 
 /// `12 345 of 1 000 000`, at the right, in a room of its own.
-pub fn count(ui: &mut Ui, shown: usize, all: usize, what: &str) {
+pub fn count(ui: &mut Ui, shown: usize, all: usize, one: &str) {
+    let what = if all == 1 { one.to_owned() } else { format!("{one}s") };
     let text = if shown == all {
         format!("{} {what}", grouped(all))
     } else {

@@ -121,7 +121,7 @@ impl EventList {
             ui.separator();
             tables::search(ui, &mut self.filter.text, "Search");
             self.module_choice(ui, names);
-            tables::count(ui, shown.len(), source.history.events().len(), "events");
+            tables::count(ui, shown.len(), source.history.events().len(), "event");
         });
     }
 

@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, view: &mut TrendView, settings: &mut Settings, known: [
         }
     });
     if !wide {
-        ui.horizontal(|ui| others(ui, view, settings, known));
+        ui.horizontal(|ui| widgets::at_right(ui, |ui| others(ui, view, settings, known)));
     }
 }
 
