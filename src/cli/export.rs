@@ -155,14 +155,6 @@ impl ExportArgs {
             return Err(Stop::usage("Parquet is not for terminals: give --out FILE, or send the output elsewhere"));
         }
         let Some(out) = &self.out else { return Ok(()) };
-        let unknown = out.extension().filter(|ending| Format::of_path(out).is_none() && *ending != TEXT);
-        if let (None, Some(ending)) = (self.format, unknown) {
-            let endings = Format::ALL.map(Format::word).join(", ");
-            let ending = ending.to_string_lossy();
-            let text =
-                format!("\"{ending}\" is not the ending of a format: use one of {endings}, or choose with --format");
-            return Err(Stop::usage(text));
-        }
         if out.is_dir() {
             return Err(Stop::usage(format!("{} is a folder: add the name of a file", out.display())));
         }
@@ -170,6 +162,14 @@ impl ExportArgs {
             && out == file
         {
             return Err(Stop::usage("--out is the recording itself: choose another name"));
+        }
+        let unknown = out.extension().filter(|ending| Format::of_path(out).is_none() && *ending != TEXT);
+        if let (None, Some(ending)) = (self.format, unknown) {
+            let endings = Format::ALL.map(Format::word).join(", ");
+            let ending = ending.to_string_lossy();
+            let text =
+                format!("\"{ending}\" is not the ending of a format: use one of {endings}, or choose with --format");
+            return Err(Stop::usage(text));
         }
         Ok(())
     }

@@ -42,7 +42,7 @@ impl TrafficView {
             .frame(theme::details_frame())
             .resizable(true)
             .default_size(theme::DETAILS)
-            .size_range(theme::DETAILS_RANGE)
+            .size_range(theme::details_range(ui.available_height()))
             .show(ui, |ui| self.details(ui, pass.bench));
         if pass.bench.traffic().is_empty() {
             return nothing(ui);

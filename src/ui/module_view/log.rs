@@ -52,7 +52,7 @@ impl Log {
             .frame(theme::details_frame())
             .resizable(true)
             .default_size(theme::LOG_DETAILS)
-            .size_range(theme::DETAILS_RANGE)
+            .size_range(theme::details_range(ui.available_height()))
             .show(ui, |ui| self.details(ui, module, pass.bench));
         if self.rows.len() == 0 {
             return self.nothing(ui);

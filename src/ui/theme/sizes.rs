@@ -163,7 +163,11 @@ pub const CHOICE_WIDTH: f32 = 30.0 * UNIT;
 /// What the chosen line holds, below its list.
 pub const DETAILS: f32 = 44.0 * UNIT;
 pub const LOG_DETAILS: f32 = 30.0 * UNIT;
-pub const DETAILS_RANGE: std::ops::RangeInclusive<f32> = 20.0 * UNIT..=120.0 * UNIT;
+/// Height of the details below a list: the list keeps a part of a low window.
+pub fn details_range(room: f32) -> std::ops::RangeInclusive<f32> {
+    let most = (room / 2.0).clamp(6.0 * UNIT, 120.0 * UNIT);
+    (20.0 * UNIT).min(most)..=most
+}
 
 /// Readings.
 pub const READING: [f32; 2] = [46.0 * UNIT, 18.0 * UNIT];

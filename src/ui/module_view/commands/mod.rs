@@ -99,7 +99,7 @@ impl Commands {
             return self.console(ui, module, pass);
         }
         let room = ui.available_rect_before_wrap();
-        let (upper, lower) = room.split_top_bottom_at_y(room.bottom() - theme::COMMANDS_BELOW);
+        let (upper, lower) = room.split_top_bottom_at_y(room.bottom() - theme::COMMANDS_BELOW.min(room.height() / 2.0));
         inside(ui, upper.with_max_y(upper.bottom() - theme::GAP), "above", |ui| {
             self.beside(ui, page, false, module, pass);
         });
