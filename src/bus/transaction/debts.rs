@@ -114,9 +114,11 @@ impl Debts {
         self.settings = settings;
     }
 
-    /// Whether `request` itself is owed an answer.
-    pub fn owes(&self, request: &[u8], now: Instant) -> bool {
-        self.all.iter().any(|debt| debt.request == request && !debt.paid && debt.until > now)
+    /// Until when `request` itself, which was given up a moment ago, may still be answered within one more `window`.
+    pub fn under_way(&self, request: &[u8], window: Duration, now: Instant) -> Option<Instant> {
+        let mine = self.all.iter().filter(|debt| debt.request == request && !debt.paid);
+        let ends = mine.filter_map(|debt| debt.until.checked_sub(LATEST)?.checked_add(window));
+        ends.filter(|end| *end > now).max()
     }
 
     /// Until when `request` must not be sent; `None` if it may be at once.

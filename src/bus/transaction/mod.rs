@@ -227,8 +227,8 @@ impl Wire {
     /// other bytes came with it that may be an answer too.
     pub fn probe(&mut self, request: &[u8], expected: &Expected, window: Duration) -> Result<(Vec<u8>, bool), Failure> {
         // While the same question is under way, one more would only keep the module busy for longer.
-        if self.debts.owes(request, self.line.now()) {
-            self.wait_for_late(self.line.now() + window, expected)?;
+        if let Some(until) = self.debts.under_way(request, window, self.line.now()) {
+            self.wait_for_late(until, expected)?;
         }
         self.speak_and_note(request, expected, window)
     }
