@@ -18,7 +18,7 @@ use super::serial::SerialLine;
 use super::tap::{Clock, Tap};
 use super::target::{LineAddress, Patience, Target};
 use super::tcp::TcpLink;
-use super::transaction::Wire;
+use super::transaction::{Debts, Wire};
 use crate::module::Ask;
 use crate::protocol::{AnswerFrom, Failure, LineSettings, Protocol, Query, Reply, dcon, modbus};
 
@@ -28,6 +28,8 @@ pub struct Memory {
     echoes: bool,
     counts: Statistics,
     names: HashMap<Target, Name>,
+    /// Answers that may still come.
+    debts: Option<Debts>,
 }
 
 /// An open line.
@@ -78,11 +80,14 @@ impl Dialogue {
     /// What is to be remembered when the line is opened anew: its counts, whether it echoes, and its clock, which goes on
     /// even if the system's clock was set meanwhile.
     pub fn into_memory(self) -> Memory {
-        let (clock, echoes) = match &self.link {
-            Link::Wire(wire) => (Some(wire.clock()), wire.echoes()),
-            Link::Tcp(_) => (None, false),
-        };
-        Memory { clock, echoes, counts: self.counts, names: self.names }
+        let (counts, names) = (self.counts, self.names);
+        match self.link {
+            Link::Wire(wire) => {
+                let (clock, echoes) = (Some(wire.clock()), wire.echoes());
+                Memory { clock, echoes, counts, names, debts: Some(wire.into_debts()) }
+            }
+            Link::Tcp(_) => Memory { clock: None, echoes: false, counts, names, debts: None },
+        }
     }
 
     pub fn remember(&mut self, memory: Memory) {
@@ -92,6 +97,9 @@ impl Dialogue {
             wire.expect_echoes(memory.echoes);
             if let Some(clock) = memory.clock {
                 wire.keep_clock(clock);
+            }
+            if let Some(debts) = memory.debts {
+                wire.keep_debts(debts);
             }
         }
     }
@@ -298,11 +306,6 @@ impl Speaker<'_> {
         self.is_there
     }
 
-    /// Makes certain that the answers so far belong to their questions; see [`Dialogue::verify`].
-    pub fn verify(&mut self) -> Result<(), Failure> {
-        self.dialogue.verify(&self.target, self.patience)
-    }
-
     /// Whether to ask once more, after so many repetitions.
     fn repeats(&self, query: &Query, failure: &Failure, repeated: u8) -> bool {
         // Somebody waits for a scan, or the line, to end.
@@ -323,6 +326,10 @@ impl Speaker<'_> {
 impl Ask for Speaker<'_> {
     fn answered_at(&self) -> Timestamp {
         self.dialogue.answered_at()
+    }
+
+    fn certain(&mut self) -> Result<(), Failure> {
+        self.dialogue.verify(&self.target, self.patience)
     }
 
     fn follow(&mut self, address: u8) {

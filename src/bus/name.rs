@@ -32,6 +32,13 @@ impl Name {
         }
     }
 
+    /// The other name that was told is right.
+    pub fn believe(&mut self) {
+        if let Some(claimed) = self.claimed.take() {
+            self.known = claimed;
+        }
+    }
+
     /// What comes back from `target` when it is asked for this name.
     pub fn expected(&self, target: &Target) -> Expected {
         let from = AnswerFrom::Addresses(vec![target.address]);
@@ -55,7 +62,7 @@ pub fn asks_for_name(request: &[u8]) -> bool {
 
 /// Most answers are digits and signs; a name that looks like one of those proves nothing. A checksum is digits too.
 pub fn is_name(answer: &[u8]) -> bool {
-    let other_than_digits = |c: char| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.');
+    let other_than_digits = |c: char| !c.is_ascii_hexdigit() && !matches!(c, '+' | '-' | '.' | ' ');
     dcon::decode(answer, false)
         .is_ok_and(|answer| matches!(answer, dcon::Answer::Valid { text, .. } if text.chars().any(other_than_digits)))
 }

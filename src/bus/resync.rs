@@ -96,13 +96,22 @@ impl Dialogue {
     }
 
     fn verify_once(&mut self, target: &Target, window: Duration) -> Result<(), Failure> {
-        let Link::Wire(wire) = &mut self.link else { return Ok(()) };
-        let Some(shape) = Shape::of_module(target) else { return Ok(()) };
-        match (wire.doubts(shape), target.protocol) {
-            (Doubts::Spoiled, _) => Err(out_of_step(Vec::new())),
-            (Doubts::Open(shapes), _) if shapes.is_empty() => Ok(()),
-            (Doubts::Open(shapes), Protocol::ModbusRtu) => self.ask_otherwise(target, &shapes, window, Alone::Required),
-            (Doubts::Open(_), _) => self.ask_for_known_name(target, window, Alone::Required),
+        match (self.doubts(target), target.protocol) {
+            (Doubts::Spoiled, _) => {}
+            (Doubts::Open(shapes), _) if shapes.is_empty() => {}
+            (Doubts::Open(shapes), Protocol::ModbusRtu) => {
+                self.ask_otherwise(target, &shapes, window, Alone::Required)?;
+            }
+            (Doubts::Open(_), _) => self.ask_for_known_name(target, window, Alone::Required)?,
+        }
+        // What came just before that question may have been the right answer to an earlier one.
+        if self.doubts(target) == Doubts::Spoiled { Err(out_of_step(Vec::new())) } else { Ok(()) }
+    }
+
+    fn doubts(&self, target: &Target) -> Doubts {
+        match (&self.link, Shape::of_module(target)) {
+            (Link::Wire(wire), Some(shape)) => wire.doubts(shape),
+            _ => Doubts::Open(Vec::new()),
         }
     }
 
@@ -155,7 +164,8 @@ impl Dialogue {
         Ok(())
     }
 
-    fn forget_doubts(&mut self, target: &Target) {
+    /// Nothing is made of the answers of `target` that could belong to other questions.
+    pub(super) fn forget_doubts(&mut self, target: &Target) {
         if let Link::Wire(wire) = &mut self.link
             && let Some(shape) = Shape::of_module(target)
         {
@@ -173,9 +183,17 @@ impl Dialogue {
 
     /// A module has moved: what it was called before carries another address.
     pub(super) fn learn_name_anew(&mut self, from: &Target, to: &Target, patience: Patience) {
+        self.names.remove(to);
         if self.names.remove(from).is_some() {
             // Without an answer it is not known, and nothing is compared.
             let _ = self.with(*to, patience).ask(&name::query(to.address));
+        }
+    }
+
+    /// Another module is at `target` now: what it calls itself was heard a moment ago.
+    pub(super) fn believe_name(&mut self, target: &Target) {
+        if let Some(name) = self.names.get_mut(target) {
+            name.believe();
         }
     }
 
@@ -187,7 +205,11 @@ impl Dialogue {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
-            self.names.entry(*target).or_insert_with(|| Name::new(answer)).hear(answer);
+            let name = self.names.entry(*target).or_insert_with(|| Name::new(answer));
+            name.hear(answer);
+            if target.checksum {
+                name.believe();
+            }
         }
     }
 }

@@ -210,6 +210,8 @@ impl Scan {
             }
             outcome = identify(catalogue, target.protocol, target.address, &mut speaker);
         }
+        // Nothing else is made of these answers, so nothing has to be made certain of them later.
+        dialogue.forget_doubts(&target);
         match outcome {
             Ok(identified) => {
                 self.summary.found = self.summary.found.saturating_add(1);

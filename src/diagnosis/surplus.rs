@@ -1,5 +1,7 @@
 //! What bytes beside an answer are: whole answers that came twice or late, or the noise of the line.
 
+use std::borrow::Cow;
+
 use crate::bus::Frame;
 use crate::protocol::{Protocol, dcon, modbus};
 
@@ -30,11 +32,13 @@ impl Surplus {
         if !frame.noise {
             return Self::Nothing;
         }
-        let bytes = without_echo(frame, request);
-        let found = answers(bytes, frame.protocol, frame.checksum);
+        let (before, bytes) = without_echo(frame, request);
+        let found = answers(&bytes, frame.protocol, frame.checksum);
         match found.split_first() {
             Some((first, [second, ..])) if first == second => Self::Copy,
             Some((_, [_, ..])) => Self::Other,
+            // It was there before the request had left, so an earlier one was meant.
+            Some((answer, [])) if before >= answer.len() => Self::Other,
             _ if !begun(frame, request).is_empty() => Self::Nothing,
             _ => Self::Stray,
         }
@@ -51,18 +55,33 @@ pub(super) struct Heard {
     answer: Option<Vec<u8>>,
     /// How a second answer began that came with it.
     begun: Vec<u8>,
+    /// The request, as long as its echo has not come.
+    unechoed: Vec<u8>,
 }
 
 impl Heard {
     /// What was heard in a frame whose request was `request`.
     pub fn of(frame: &Frame, request: Option<&[u8]>) -> Self {
-        let answer = next(without_echo(frame, request), frame.protocol, frame.checksum);
-        Self { answer: answer.map(|(answer, _)| answer.to_vec()), begun: begun(frame, request).to_vec() }
+        let (_, bytes) = without_echo(frame, request);
+        let answer = next(&bytes, frame.protocol, frame.checksum);
+        let unechoed = if bytes.len() == frame.bytes.len() { request.unwrap_or_default() } else { &[] };
+        Self {
+            answer: answer.map(|(answer, _)| answer.to_vec()),
+            begun: begun(frame, request),
+            unechoed: unechoed.to_vec(),
+        }
     }
 
     /// What the bytes are that belong to no request and came behind the answer.
     pub fn behind(&mut self, frame: &Frame) -> Surplus {
+        let request = std::mem::take(&mut self.unechoed);
         let bytes = [std::mem::take(&mut self.begun), frame.bytes.clone()].concat();
+        let bytes = match position(&bytes, &request) {
+            // The answer had come before its request was echoed, so an earlier one was meant.
+            Some(_) if bytes.len() == request.len() => return Surplus::Other,
+            Some(at) => cut_out(&bytes, at, request.len()),
+            None => bytes,
+        };
         match next(&bytes, frame.protocol, frame.checksum) {
             Some((first, _)) if self.answer.as_deref() == Some(first) => Surplus::Copy,
             Some(_) => Surplus::Other,
@@ -73,20 +92,40 @@ impl Heard {
 }
 
 /// The beginning of a second answer behind the first, whose rest comes when nobody listens for it any more.
-fn begun<'a>(frame: &'a Frame, request: Option<&[u8]>) -> &'a [u8] {
-    let Some((answer, behind)) = next(without_echo(frame, request), frame.protocol, frame.checksum) else { return &[] };
+fn begun(frame: &Frame, request: Option<&[u8]>) -> Vec<u8> {
+    let (_, bytes) = without_echo(frame, request);
+    let Some((answer, behind)) = next(&bytes, frame.protocol, frame.checksum) else { return Vec::new() };
     let start = behind.iter().position(|byte| !is_stray(*byte)).unwrap_or(behind.len());
     let rest = behind.get(start..).unwrap_or_default();
     let begins = match frame.protocol {
         Protocol::Dcon => rest.first().is_some_and(|byte| dcon::ANSWER_DELIMITERS.contains(byte)),
         _ => !rest.is_empty() && rest.first() == answer.first(),
     };
-    if begins && next(rest, frame.protocol, frame.checksum).is_none() { rest } else { &[] }
+    if begins && next(rest, frame.protocol, frame.checksum).is_none() { rest.to_vec() } else { Vec::new() }
 }
 
-fn without_echo<'a>(frame: &'a Frame, request: Option<&[u8]>) -> &'a [u8] {
+/// What came without the echo of `request`, and how much of it stood before that.
+fn without_echo<'a>(frame: &'a Frame, request: Option<&[u8]>) -> (usize, Cow<'a, [u8]>) {
     let bytes = frame.bytes.as_slice();
-    request.filter(|_| frame.echo).and_then(|request| bytes.strip_prefix(request)).unwrap_or(bytes)
+    let request = request.unwrap_or_default();
+    match bytes.strip_prefix(request) {
+        Some(rest) if frame.echo => (0, rest.into()),
+        // Where a late answer comes first, the echo stands behind it.
+        _ if frame.noise && !frame.echo => match position(bytes, request) {
+            Some(at) => (at, cut_out(bytes, at, request.len()).into()),
+            None => (0, bytes.into()),
+        },
+        _ => (0, bytes.into()),
+    }
+}
+
+fn position(bytes: &[u8], part: &[u8]) -> Option<usize> {
+    if part.is_empty() { None } else { bytes.windows(part.len()).position(|window| window == part) }
+}
+
+fn cut_out(bytes: &[u8], at: usize, length: usize) -> Vec<u8> {
+    let (before, rest) = bytes.split_at_checked(at).unwrap_or((bytes, &[]));
+    [before, rest.get(length..).unwrap_or_default()].concat()
 }
 
 /// The whole answers among `bytes`, with their checksum or CRC and without what ends them.

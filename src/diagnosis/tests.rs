@@ -28,6 +28,10 @@ fn dcon_at(address: u8) -> Target {
     Target { protocol: Protocol::Dcon, ..at(address) }
 }
 
+fn request(address: u8) -> Vec<u8> {
+    modbus::with_crc(&[address, 3, 0, 9, 0, 1])
+}
+
 fn broken(reason: &str) -> Verdict {
     Verdict::Broken(reason.to_owned())
 }
@@ -52,7 +56,7 @@ impl Played {
     }
 
     fn sent(&mut self, target: Target) {
-        let frame = self.frame(target, Direction::Sent, &[target.address, 3], Verdict::Request);
+        let frame = self.frame(target, Direction::Sent, &request(target.address), Verdict::Request);
         self.diagnosis.take(&frame);
     }
 
@@ -238,6 +242,20 @@ fn a_second_copy_in_two_pieces_is_one() {
         line.unasked(at(1), &answer[1..]);
     }
     assert_eq!(line.symptoms(), [Symptom::Twice]);
+}
+
+#[test]
+fn an_answer_in_front_of_its_requests_echo_is_late_and_no_noise() {
+    let answer = modbus::with_crc(&[1, 3, 2, 0, 7]);
+    let mut line = Played::default();
+    let behind = [&answer[..], &request(1)].concat();
+    for _ in 0..10 {
+        line.exchange_with(at(1), &behind, Verdict::Answer, |frame| frame.noise = true);
+        line.exchange(at(1), &answer, Verdict::Answer);
+        line.unasked(at(1), &request(1));
+    }
+    assert_eq!(line.symptoms(), [Symptom::Late]);
+    assert!(line.found(Symptom::Late).evidence.starts_with("20 answers"), "{:?}", line.found(Symptom::Late));
 }
 
 #[test]

@@ -197,8 +197,8 @@ impl Symptom {
             Self::ChangingErrors => (
                 "Answers broken in changing ways",
                 "Two modules at one address, or noise on the line",
-                "Test the consistency: it reads the same many times and tells the two apart; then switch off one module \
-                 after the other",
+                "Test the consistency (in the Diagnosis tab, or `dcon-bench diagnose` with --address): it reads the same many \
+                 times and tells the two apart; then switch off one module after the other",
             ),
             Self::SameErrors => (
                 "Answers broken in the same way each time",

@@ -41,6 +41,14 @@ use crate::protocol::{Failure, Query, Reply};
 pub trait Ask {
     fn ask(&mut self, query: &Query) -> Result<Reply, Failure>;
 
+    /// Makes certain that the answers so far belong to the questions on which they were taken.
+    ///
+    /// # Errors
+    /// If they may not: then they must not be used.
+    fn certain(&mut self) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// When the last byte of the last answer had arrived, or when the wait for it was given up.
     fn answered_at(&self) -> Timestamp;
 

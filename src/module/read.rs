@@ -21,8 +21,8 @@ const SILENCES_ALLOWED: u8 = 2;
 
 /// Questions in a row to which a module is silent that has answered before in the same run, until it is taken for gone.
 /// One answer that is late by 1.5 s holds back those behind it, and so two or three questions with their repeats; where a
-/// fifth of all answers are late, a second and a third late one among these are common. For a module that has really gone
-/// it takes this many times the timeout and its repeats, 4.8 s unless set otherwise.
+/// fifth of all answers are late, a second and a third late one among these are common. Whoever asks may
+/// lose patience earlier.
 const SILENCES_SHOW_ABSENCE: u8 = 8;
 
 /// What became of one item that was asked for.
@@ -88,6 +88,11 @@ impl ReadRun {
     /// Whether anything in this run has shown that the module is there.
     pub fn is_answered(&self) -> bool {
         self.answered
+    }
+
+    /// Whether the module did not answer the last question.
+    pub fn is_silent(&self) -> bool {
+        self.silent_in_a_row > 0
     }
 
     /// Ends the run: what was not read shares this failure and its time.

@@ -235,7 +235,7 @@ fn command_write(
     let mut fields = Fields::new();
     if !alone {
         let query = access::read_query(command, address).ok_or_else(not_offered)?;
-        let read = ask.ask(&query).and_then(|reply| access::read_fields(command, address, &reply));
+        let read = ask_certainly(&query, ask).and_then(|reply| access::read_fields(command, address, &reply));
         fields = read.map_err(|failure| WriteError::ReadFirst { id: item.id.clone(), failure })?;
     }
     let text =
@@ -367,10 +367,21 @@ pub(crate) fn word(
 
 fn present_word(item: &Item, place: ModbusPlace, ask: &mut dyn Ask) -> Result<u16, WriteError> {
     let failed = |failure| WriteError::ReadFirst { id: item.id.clone(), failure };
-    match ask.ask(&access::place_query(place)).map_err(failed)? {
+    match ask_certainly(&access::place_query(place), ask).map_err(failed)? {
         Reply::Words(words) if words.len() == 1 => Ok(words.first().copied().unwrap_or_default()),
         other => Err(failed(Failure::UnknownShape { answer: format!("{other:?}") })),
     }
+}
+
+/// Asks for what a write leaves as it is. After an answer too many the line is listened to more carefully, so that asking once
+/// more helps.
+fn ask_certainly(query: &Query, ask: &mut dyn Ask) -> Result<Reply, Failure> {
+    let reply = ask.ask(query)?;
+    if ask.certain().is_ok() {
+        return Ok(reply);
+    }
+    let reply = ask.ask(query)?;
+    ask.certain().map(|()| reply)
 }
 
 /// Carries out an action once.

@@ -1,5 +1,6 @@
 //! How the tabs in the middle of the window look, and what a click on them does.
 
+use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Button, Rect, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, UiResponse};
 
@@ -23,6 +24,8 @@ pub(super) struct Tabs<'a, 'p> {
     /// their parents.
     pub alone: Vec<Pane>,
     pub shared: bool,
+    /// Tabs that have come to the front: they are to be seen also where not all have room.
+    pub came_to_front: Vec<TileId>,
 }
 
 impl Tabs<'_, '_> {
@@ -90,6 +93,9 @@ impl Behavior<Pane> for Tabs<'_, '_> {
         let Some(pane) = tiles.get_pane(&tile).copied() else { return response };
         if response.clicked() {
             *self.active = pane;
+        }
+        if self.came_to_front.contains(&tile) {
+            response.scroll_to_me_animation(None, ScrollAnimation::none());
         }
         response.context_menu(|ui| self.menu(ui, pane));
         response.on_hover_text("Drag it to the side of another to see both; right click for more")

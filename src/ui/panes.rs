@@ -6,7 +6,7 @@ mod windows;
 
 use std::collections::HashSet;
 
-use eframe::egui::{self, Id, Ui, ViewportId};
+use eframe::egui::{self, Id, Ui, Vec2, ViewportId};
 use egui_tiles::{ContainerKind, Tile, TileId, Tree};
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +58,8 @@ pub struct Panes {
     to_front: Option<ViewportId>,
     /// The pane whose own window had the keyboard in the last frame.
     in_front: Option<Pane>,
+    /// The tabs in front in the last frame, and how large the window was.
+    shown: (Vec<TileId>, Vec2),
 }
 
 /// What the tabs ask for while they are drawn.
@@ -82,6 +84,7 @@ impl Default for Panes {
             focused: None,
             to_front: None,
             in_front: None,
+            shown: Default::default(),
         }
     }
 }
@@ -313,8 +316,11 @@ impl Panes {
         let in_tree = self.in_order().into_iter().filter(|pane| !self.windows.contains(pane));
         let (alone, others): (Vec<Pane>, Vec<Pane>) = in_tree.partition(|pane| self.stands_alone(*pane));
         let shared = !others.is_empty();
+        let came_to_front = self.came_to_front(ui.ctx().content_rect().size());
         let Self { tree, views, active, .. } = self;
-        tree.ui(&mut Tabs { pass, dialogs, views, active, wishes: &mut wishes, focus_moved_to, alone, shared }, ui);
+        let mut tabs =
+            Tabs { pass, dialogs, views, active, wishes: &mut wishes, focus_moved_to, alone, shared, came_to_front };
+        tree.ui(&mut tabs, ui);
         self.show_windows(ui.ctx(), pass, dialogs, &mut wishes);
         self.views.about.show(ui.ctx(), pass);
         for wish in wishes {
@@ -334,6 +340,13 @@ impl Panes {
         let before = std::mem::replace(&mut self.focused, focused);
         let id = focused.filter(|_| before != focused)?;
         ctx.read_response(id).map(|response| response.rect)
+    }
+
+    /// The tabs that were not in front in the last frame, or all in a window that has another size now.
+    fn came_to_front(&mut self, window: Vec2) -> Vec<TileId> {
+        let tabs = self.tree.active_tiles();
+        let (before, size) = std::mem::replace(&mut self.shown, (tabs.clone(), window));
+        tabs.into_iter().filter(|tab| size != window || !before.contains(tab)).collect()
     }
 
     /// The active pane is always one that can be seen.

@@ -19,8 +19,12 @@ pub struct Line {
 
 impl Line {
     pub fn open(specs: &[&str]) -> Self {
+        Self::open_at(Pace::Skip, specs)
+    }
+
+    pub fn open_at(pace: Pace, specs: &[&str]) -> Self {
         let specs: Vec<ModuleSpec> = specs.iter().map(|spec| spec.parse().expect("a specification")).collect();
-        let sim = Sim::new(&specs, Pace::Skip);
+        let sim = Sim::new(&specs, pace);
         let catalogue = Arc::new(Catalogue::built_in().0);
         let bus = Bus::start(catalogue.clone(), || {}).expect("a thread");
         let line = LineAddress::Simulated { label: "test".into(), sim: sim.clone() };

@@ -31,6 +31,24 @@ fn bytes_pass_the_tap_in_order_with_their_times() {
 }
 
 #[test]
+fn a_line_is_closed_without_waiting_for_what_is_only_read() {
+    let spec = "pir-234@1:dcon:1200";
+    let line = Line::open_at(Pace::Real, &[spec]);
+    for _ in 0..3 {
+        let (id, definition) = (line.bus.next_id(), line.definition("pir-234"));
+        line.bus.send(BusCommand::Read { id, target: target(spec), definition, items: ItemSet::All }).expect("room");
+    }
+    line.until(|event| matches!(event, BusEvent::Traffic(_)).then_some(()));
+    let id = line.bus.next_id();
+    line.bus.send(BusCommand::Close { id }).expect("room");
+    line.until(|event| match event {
+        BusEvent::Read { values, .. } => panic!("{values:?} were waited for"),
+        BusEvent::Closed { .. } => Some(()),
+        _ => None,
+    });
+}
+
+#[test]
 fn a_1200_bps_exchange_does_not_time_out() {
     let line = Line::open(&["pir-234@1:dcon:1200"]);
     let value = line.read(target("pir-234@1:dcon:1200"), &line.definition("pir-234"), "alarm_limit");

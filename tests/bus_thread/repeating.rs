@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use dcon_bench::bus::{BusCommand, BusEvent, RequestId, Target};
+use dcon_bench::sim::Pace;
 
 use crate::harness::*;
 
@@ -48,6 +49,16 @@ fn a_repeated_action_is_sent_until_it_is_stopped_and_not_once_more() {
     let heard = line.sim.requests();
     line.read(target(spec), &line.definition("pir-234"), "name").unwrap();
     assert_eq!(line.sim.requests(), heard + 1);
+}
+
+#[test]
+fn a_repetition_that_takes_longer_than_its_period_leaves_the_line_to_others() {
+    let line = Line::open_at(Pace::Real, &["pir-234@1:dcon:9600", "pir-234@2:dcon:9600"]);
+    line.sim.set_dead(1, true);
+    let id = repeat(&line, target("pir-234@1:dcon:9600"));
+    line.until(|event| matches!(event, BusEvent::Acted { id: of, result: Err(_), .. } if *of == id).then_some(()));
+    let name = line.read(target("pir-234@2:dcon:9600"), &line.definition("pir-234"), "name");
+    assert!(name.is_ok(), "{name:?}");
 }
 
 #[test]

@@ -94,6 +94,30 @@ fn two_modules_side_by_side_both_show_what_they_measure() {
     until(&mut window, "both again", |window| readings(window, ["Temperature 22.00 °C", "Temperature 31.00 °C"]));
 }
 
+/// Whether a tab is in view: right of the list, left of what stands at the end of the tabs.
+fn tab_in_view(window: &Window, name: &str) -> bool {
+    let list = window.get_by_role_and_label(Role::ListItem, "PIR-234, address 160").rect();
+    let end = window.get_by_role_and_label(Role::Button, "Own window").rect();
+    let tab = window.query_by_role_and_label(Role::Button, name).map(|tab| tab.rect());
+    tab.is_some_and(|tab| tab.left() >= list.right() && tab.right() <= end.left())
+}
+
+#[test]
+fn the_tab_in_front_is_in_view_where_not_all_have_room() {
+    let specs: Vec<String> = (160..172).map(|address| format!("pir-234@{address}:modbus_rtu:9600")).collect();
+    let specs: Vec<&str> = specs.iter().map(String::as_str).collect();
+    let mut window = window(&sim(&specs, Pace::Skip));
+    open(&mut window, "PIR-234, address 160");
+    for address in 161..172 {
+        click(&mut window, Role::ListItem, &format!("PIR-234, address {address}"));
+        let tab = format!("PIR-234 @{address}");
+        until(&mut window, &tab, |window| tab_in_view(window, &tab));
+    }
+    assert!(!tab_in_view(&window, "PIR-234 @160"), "not all have room");
+    click(&mut window, Role::ListItem, "PIR-234, address 160");
+    until(&mut window, "the first one again", |window| tab_in_view(window, "PIR-234 @160"));
+}
+
 #[test]
 fn a_tab_stands_beside_the_others_and_goes_back_among_them() {
     let mut window = both_beside(&two());

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::shape::Shape;
 use crate::bus::judge::{self, Content, Expected, Verdict};
 use crate::bus::name::{asks_for_name, is_name};
-use crate::protocol::{LineSettings, dcon};
+use crate::protocol::{DataFormat, LineSettings, dcon};
 
 /// An answer does not come later than this after it was given up, be it through a busy adapter, a hub, a virtual
 /// machine or a converter on a network.
@@ -34,6 +34,14 @@ struct Debt {
 }
 
 impl Debt {
+    /// A second stop bit is a pause to who expects one.
+    fn is_readable_at(&self, settings: LineSettings) -> bool {
+        let without_parity = |format| matches!(format, DataFormat::N81 | DataFormat::N82);
+        let (mine, other) = (self.settings.data_format, settings.data_format);
+        let alike = mine == other || (without_parity(mine) && without_parity(other));
+        self.settings.baud_rate == settings.baud_rate && alike
+    }
+
     /// The answer, if it is known beforehand.
     fn known_answer(&self) -> Option<&Vec<u8>> {
         match &self.expected {
@@ -83,7 +91,9 @@ impl Debts {
             let fits = fits && (!named || asks_for_name(&debt.request));
             !debt.paid && debt.shape.asks_whom(shape) && fits
         };
-        let Some(first) = self.all.iter().position(owed) else { return self.paid_up_to(shape) };
+        let now_readable = self.settings;
+        let first = self.all.iter().position(|debt| debt.is_readable_at(now_readable) && owed(debt));
+        let Some(first) = first else { return self.paid_up_to(shape) };
         self.pay_up_to(first);
         self.note(shape, request, expected, now);
     }
@@ -158,22 +168,23 @@ impl Debts {
 
     /// What is owed and would be accepted as the answer to `shape`.
     fn open(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
-        self.all
-            .iter()
-            .filter(move |debt| debt.until > now && debt.settings == self.settings && debt.shape.could_answer(shape))
+        self.all.iter().filter(move |debt| {
+            debt.until > now && debt.is_readable_at(self.settings) && debt.shape.could_answer(shape)
+        })
     }
 
     /// A question that cannot be mistaken was answered: everything that was asked of this module before is over.
     fn paid_up_to(&mut self, shape: Shape) {
-        self.all.retain(|debt| !debt.shape.asks_whom(shape));
+        let settings = self.settings;
+        self.all.retain(|debt| !debt.shape.asks_whom(shape) || !debt.is_readable_at(settings));
     }
 
     /// The debt at `last` is paid, and with it everything that was asked of the same module before.
     fn pay_up_to(&mut self, last: usize) {
         let Some(shape) = self.all.get(last).map(|debt| debt.shape) else { return };
-        let mut index = 0usize;
+        let (settings, mut index) = (self.settings, 0usize);
         self.all.retain(|debt| {
-            let over = index <= last && debt.shape.asks_whom(shape);
+            let over = index <= last && debt.shape.asks_whom(shape) && debt.is_readable_at(settings);
             index = index.saturating_add(1);
             !over
         });

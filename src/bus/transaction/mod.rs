@@ -19,9 +19,9 @@ use super::line::{Line, LineLost};
 use super::name::asks_for_name;
 use super::tap::{self, Clock, Exchange, Frame, Tap};
 use crate::protocol::{Failure, LineSettings, dcon};
-use debts::Debts;
 use shape::want_equally_much;
 
+pub(super) use debts::Debts;
 pub use shape::Shape;
 
 /// Quiet that ends a disturbance, unless 3.5 characters last longer; covers the 16 ms of common USB adapters.
@@ -121,6 +121,17 @@ impl Wire {
 
     pub fn keep_clock(&mut self, clock: Clock) {
         self.clock = clock;
+    }
+
+    /// Answers that may still come although the line is given up.
+    pub(in crate::bus) fn into_debts(self) -> Debts {
+        self.debts
+    }
+
+    /// What was owed on this line before it was lost.
+    pub(in crate::bus) fn keep_debts(&mut self, debts: Debts) {
+        self.debts = debts;
+        self.debts.configure(self.settings);
     }
 
     /// Stamps nothing earlier than `floor` from now on.
@@ -252,7 +263,7 @@ impl Wire {
                     self.debts.answered(shape, request, expected, answer, now);
                     self.note_answer(shape, request, answer, surplus, after_quiet);
                 }
-                Err(failure) if leaves_answer_open(failure, shape, expected) => {
+                Err(failure) if leaves_answer_open(failure, shape, request, expected) => {
                     self.debts.note(shape, request, expected, now);
                 }
                 Err(_) => {}
@@ -346,7 +357,7 @@ impl Wire {
             self.line.wait_until(spoken.sent);
             self.ended = Some(spoken.sent);
             spoken.outcome = Ok(Vec::new());
-            return Ok(());
+            return if self.echoes { self.take_off_echo(request, expected, exchange, spoken) } else { Ok(()) };
         }
         let mut received = Vec::new();
         spoken.outcome = self.listen(request, expected, window, spoken, &mut received);
@@ -394,7 +405,7 @@ impl Wire {
             let since_sent = self.last_activity.saturating_duration_since(spoken.sent);
             match verdict {
                 Verdict::Answer { bytes, echo, noise, surplus } => {
-                    self.learn_echo(request, expected, echo);
+                    self.learn_echo(request, expected, echo, surplus);
                     let heard = received.get(if echo { request.len() } else { 0 }..).unwrap_or_default();
                     (spoken.noise, spoken.others) = (noise, surplus);
                     spoken.surplus = surplus && !self.were_owed(expected, heard, &bytes);
@@ -433,9 +444,10 @@ impl Wire {
         expected.is_choosy() && before.is_some_and(|before| self.debts.seen(before, self.line.now()))
     }
 
-    /// An adapter echoes all or nothing; an answer that may look like its request tells neither.
-    fn learn_echo(&mut self, request: &[u8], expected: &Expected, echo: bool) {
-        if echo || judge::shows_echo(request, expected) {
+    /// An adapter echoes all or nothing. An answer that may look like its request tells neither, and one among other bytes does
+    /// not tell that there is no echo: a stray byte may stand in front of it.
+    fn learn_echo(&mut self, request: &[u8], expected: &Expected, echo: bool, surplus: bool) {
+        if echo || (judge::shows_echo(request, expected) && !surplus) {
             self.echoes = echo;
         }
     }
@@ -467,14 +479,16 @@ struct Spoken {
 }
 
 /// Whether the answer may still come: what has come does not look like the one that was asked for.
-fn leaves_answer_open(failure: &Failure, shape: Shape, expected: &Expected) -> bool {
+fn leaves_answer_open(failure: &Failure, shape: Shape, request: &[u8], expected: &Expected) -> bool {
     match failure {
-        Failure::Silent => true,
+        Failure::Silent | Failure::LineLost(_) => true,
+        // Only an echo that was damaged has come.
+        Failure::Collision { .. } => true,
         // What has come may be what was passed over.
-        Failure::Cut { .. } | Failure::Garbled { .. } | Failure::Collision { .. } if expected.is_choosy() => true,
-        Failure::Cut { bytes } | Failure::Garbled { bytes, .. } | Failure::Collision { bytes } => {
+        Failure::Cut { .. } | Failure::Garbled { .. } if expected.is_choosy() => true,
+        Failure::Cut { bytes } | Failure::Garbled { bytes, .. } => {
             let come = bytes.iter().filter(|byte| !judge::is_noise(**byte)).count() >= LEAST_ANSWER;
-            !come || !shape.begins_an_answer_in(bytes)
+            !come || !shape.begins_an_answer_in(request, bytes)
         }
         _ => false,
     }

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::shape::Shape;
-use super::{MOST_BYTES, MOST_SETTLING, SETTLE, WARY_QUIET, Wire};
+use super::{MOST_BYTES, MOST_SETTLING, SETTLE, Spoken, WARY_QUIET, Wire};
 use crate::bus::judge::{self, Expected};
 use crate::bus::line::LineLost;
 use crate::bus::tap::Exchange;
@@ -68,6 +68,35 @@ impl Wire {
                 return Ok(());
             }
         }
+    }
+
+    /// The echo of what nobody answers: exactly these bytes are taken off.
+    pub(super) fn take_off_echo(
+        &mut self,
+        request: &[u8],
+        expected: &Expected,
+        exchange: Exchange,
+        spoken: &Spoken,
+    ) -> Result<(), LineLost> {
+        let (mut heard, mut buffer) = (Vec::new(), [0; 256]);
+        let deadline = self.line.now() + SETTLE;
+        while heard.len() < request.len() {
+            let count = self.line.receive(&mut buffer, deadline)?;
+            if count == 0 {
+                break;
+            }
+            self.last_activity = self.line.now();
+            heard.extend(buffer.iter().take(count));
+        }
+        match heard.strip_prefix(request) {
+            Some(rest) => {
+                let rest = rest.to_vec();
+                self.tell_answer(exchange, request, request.to_vec(), spoken);
+                self.note_unasked(rest, expected);
+            }
+            None => self.note_unasked(heard, expected),
+        }
+        Ok(())
     }
 
     /// Bytes that belong to no request: perhaps an answer that was late, perhaps one too many.

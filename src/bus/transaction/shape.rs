@@ -103,11 +103,19 @@ impl Shape {
         matches!(self, Self::Rtu { .. }) && answer.get(1).is_some_and(|function| function & 0x80 != 0)
     }
 
-    /// Whether something in `bytes` looks like the beginning of an answer to this, and of nobody else's.
-    pub fn begins_an_answer_in(self, bytes: &[u8]) -> bool {
+    /// Whether something in `bytes` looks like the beginning of an answer to this `request`, and of nothing else.
+    pub fn begins_an_answer_in(self, request: &[u8], bytes: &[u8]) -> bool {
         match self {
             Self::Rtu { address, function } => {
-                bytes.windows(2).any(|pair| matches!(pair, [from, with] if *from == address && with & 0x7F == function))
+                let bytes = behind_echo(request, bytes);
+                let wanted = wanted_bytes(request);
+                bytes.windows(3).any(|begin| match begin {
+                    [from, with, next] if *from == address => {
+                        let refusal = *with == function | 0x80;
+                        refusal || (*with == function && wanted.is_none_or(|wanted| usize::from(*next) == wanted))
+                    }
+                    _ => false,
+                })
             }
             Self::Dcon { carries: Carries::Address, address: Some(address), .. } => {
                 let digits = format!("{address:02X}");
@@ -177,15 +185,28 @@ fn spoken_to(request: &[u8]) -> Option<u8> {
     u8::from_str_radix(digits, 16).ok()
 }
 
-/// Whether the answers to two requests of the same shape have the same length: functions 01 to 04 say how much they want,
-/// the first two in bits.
-pub fn want_equally_much(request: &[u8], other: &[u8]) -> bool {
-    let count = |request: &[u8]| match request {
-        [_, 0x01 | 0x02, _, _, high, low, ..] => Some(u16::from_be_bytes([*high, *low]).div_ceil(8)),
-        [_, 0x03 | 0x04, _, _, high, low, ..] => Some(u16::from_be_bytes([*high, *low])),
+/// `bytes` without a beginning that is the request's, and more than an answer shares with it: an echo that broke off.
+fn behind_echo<'a>(request: &[u8], bytes: &'a [u8]) -> &'a [u8] {
+    let shared = request.iter().zip(bytes).take_while(|(sent, came)| sent == came).count();
+    if shared > SHARED_WITH_REQUEST { bytes.get(shared..).unwrap_or_default() } else { bytes }
+}
+
+/// Address, function, and by chance one more byte.
+const SHARED_WITH_REQUEST: usize = 3;
+
+/// How many bytes the answer counts, which functions 01 and 02 ask for in bits, 03 and 04 in words; `None` for others.
+fn wanted_bytes(request: &[u8]) -> Option<usize> {
+    let count = |high: &u8, low: &u8| usize::from(u16::from_be_bytes([*high, *low]));
+    match request {
+        [_, 0x01 | 0x02, _, _, high, low, ..] => Some(count(high, low).div_ceil(8)),
+        [_, 0x03 | 0x04, _, _, high, low, ..] => Some(count(high, low).saturating_mul(2)),
         _ => None,
-    };
-    count(request) == count(other)
+    }
+}
+
+/// Whether the answers to two requests of the same shape have the same length.
+pub fn want_equally_much(request: &[u8], other: &[u8]) -> bool {
+    wanted_bytes(request) == wanted_bytes(other)
 }
 
 #[cfg(test)]

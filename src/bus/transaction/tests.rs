@@ -4,7 +4,10 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use super::*;
-use crate::protocol::{AnswerFrom, BaudRate, Protocol, hex, modbus};
+use crate::bus::dialogue::Dialogue;
+use crate::bus::target::{Patience, Target};
+use crate::module::Ask;
+use crate::protocol::{AnswerFrom, BaudRate, DataFormat, Protocol, Query, Reply, hex, modbus};
 
 const WINDOW: Duration = Duration::from_millis(60);
 const REQUEST: &[u8] = &[1, 3, 0, 0, 0, 1];
@@ -168,6 +171,83 @@ fn an_echoing_adapter_is_learned_from_reads_and_does_not_spoil_writes() {
     assert_eq!(ask(&mut wire), Ok(right));
     assert!(wire.echoes());
     assert_eq!(wire.exchange(&write, &Expected::Rtu { address: 1 }, WINDOW), Ok(write.clone()));
+}
+
+#[test]
+fn a_stray_byte_in_front_of_an_echo_does_not_make_the_next_writes_echo_its_answer() {
+    let (read, write) = (modbus::with_crc(REQUEST), modbus::with_crc(&[1, 5, 0, 0, 0xFF, 0]));
+    let right = answer(5);
+    let echoed = [read.clone(), right.clone()].concat();
+    let disturbed = [&[0][..], &read, &right].concat();
+    let (mut wire, _) = wire(&[&[(20, &echoed)], &[(20, &disturbed)], &[(9, &write)]]);
+    for _ in 0..2 {
+        assert_eq!(ask(&mut wire), Ok(right.clone()));
+    }
+    assert_eq!(wire.exchange(&write, &Expected::Rtu { address: 1 }, WINDOW), Err(Failure::Silent));
+}
+
+#[test]
+fn an_echo_that_broke_off_leaves_the_answer_open() {
+    let request = modbus::with_crc(&[1, 3, 1, 0xE0, 0, 1]);
+    let expected = Expected::Rtu { address: 1 };
+    let cut = answer(9);
+    for (came, open) in [(&request[..6], true), (&cut[..5], false), (&[1, 3, 4, 0, 9, 0, 1][..], true)] {
+        let (mut wire, _) = wire(&[&[(9, came)]]);
+        assert!(wire.exchange(&request, &expected, WINDOW).is_err_and(|failure| failure.is_garbage()));
+        let owed = wire.owed(Shape::of_request(&request, &expected).unwrap());
+        assert_eq!(!owed.is_empty(), open, "{came:?}");
+    }
+}
+
+#[test]
+fn the_echo_of_a_broadcast_is_taken_off_and_the_line_is_not_distrusted_for_it() {
+    let broadcast = Expected::Nothing { protocol: Protocol::Dcon, checksum: false };
+    let any = addressed(Content::Any);
+    let (mut wire, sent) = wire(&[&[(20, b"$012\r!01400600\r")], &[(5, b"~**\r")], &[(20, b"~01RD\r!0105\r")]]);
+    wire.exchange(b"$012\r", &any, WINDOW).unwrap();
+    wire.exchange(b"~**\r", &broadcast, WINDOW).unwrap();
+    assert_eq!(wire.exchange(b"~01RD\r", &any, WINDOW), Ok(b"!0105".to_vec()));
+    let sent = sent.lock().unwrap();
+    assert!(sent[2] - sent[1] < WARY_QUIET, "{:?}", sent[2] - sent[1]);
+}
+
+#[test]
+fn an_answer_that_comes_just_before_the_question_that_makes_certain_is_the_one_too_many() {
+    let (first, second, coil) = (answer(1), answer(2), modbus::with_crc(&[1, 1, 1, 0]));
+    let (wire, sent) = wire(&[&[(20, &first)], &[(5, &first), (6, &second)], &[(20, &coil)]]);
+    let target =
+        Target { address: 1, protocol: Protocol::ModbusRtu, settings: LineSettings::default(), checksum: false };
+    let mut dialogue = Dialogue::on_wire(wire).unwrap();
+    let mut speaker = dialogue.with(target, Patience::CONVERSATION);
+    for place in [0, 9] {
+        let answer = speaker.ask(&Query::ReadHoldingRegisters { first: place, count: 1 });
+        assert_eq!(answer, Ok(Reply::Words(vec![1])), "nothing shows yet whose it is");
+    }
+    assert!(speaker.certain().is_err_and(|failure| failure.is_garbage()));
+    assert_eq!(sent.lock().unwrap().len(), 3);
+}
+
+#[test]
+fn a_second_stop_bit_hides_no_late_answer_and_another_speed_does() {
+    let usual = LineSettings::default();
+    let slower = LineSettings { baud_rate: BaudRate::new(1_200).unwrap(), ..usual };
+    for (there, open) in [(LineSettings { data_format: DataFormat::N82, ..usual }, true), (slower, false)] {
+        let (mut wire, _) = wire(&[&[]]);
+        assert_eq!(ask(&mut wire), Err(Failure::Silent));
+        wire.configure(there).unwrap();
+        let shape = Shape::of_request(&modbus::with_crc(REQUEST), &Expected::Rtu { address: 1 }).unwrap();
+        assert_eq!(!wire.owed(shape).is_empty(), open, "{there}");
+    }
+}
+
+#[test]
+fn what_was_owed_before_the_line_was_lost_is_still_owed_when_it_is_back() {
+    let (mut before, _) = wire(&[&[]]);
+    assert_eq!(ask(&mut before), Err(Failure::Silent));
+    let (mut after, _) = wire(&[]);
+    after.keep_debts(before.into_debts());
+    let shape = Shape::of_request(&modbus::with_crc(REQUEST), &Expected::Rtu { address: 1 }).unwrap();
+    assert!(!after.owed(shape).is_empty());
 }
 
 #[test]

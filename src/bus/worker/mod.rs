@@ -49,6 +49,8 @@ pub struct Worker {
     reading: Option<Reading>,
     watches: Watches,
     repeats: Repeats,
+    /// The last thing that was done was a repetition.
+    has_repeated: bool,
     scan: Option<(RequestId, Scan)>,
     /// The latest time that was told; no line may begin before it.
     latest: Timestamp,
@@ -82,6 +84,7 @@ impl Worker {
             reading: None,
             watches: Watches::default(),
             repeats: Repeats::default(),
+            has_repeated: false,
             scan: None,
             latest: Timestamp::MIN,
             options: HashMap::new(),
@@ -108,9 +111,16 @@ impl Worker {
             self.carry_out(command);
             return true;
         }
-        if self.repeat() {
+        // One that takes longer than its period leaves the line to others in between.
+        let repeats_first = !std::mem::take(&mut self.has_repeated);
+        if repeats_first && self.repeat() {
+            self.has_repeated = true;
             return true;
         }
+        self.read_or_scan() || self.repeat()
+    }
+
+    fn read_or_scan(&mut self) -> bool {
         if self.reading.is_some() {
             self.read_on();
             return true;
@@ -144,6 +154,10 @@ impl Worker {
             }
             BusCommand::Unwatch { target } => self.unwatch(&target),
             BusCommand::StopRepeating { target, action } => self.stop_repeating(&target, &action),
+            command @ (BusCommand::Open { .. } | BusCommand::Close { .. }) => {
+                self.abandon_reads();
+                self.queue.push(command);
+            }
             BusCommand::PauseScan(paused) if !self.queue.has_scan() => self.pause_scan(paused),
             other => self.queue.push(other),
         }

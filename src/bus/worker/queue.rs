@@ -49,6 +49,14 @@ impl Queue {
         taken
     }
 
+    /// Forgets everything that only reads.
+    pub fn forget_reads(&mut self) {
+        let reads = |command: &BusCommand| {
+            matches!(command, BusCommand::Identify { .. } | BusCommand::Read { .. } | BusCommand::Watch { .. })
+        };
+        self.others.retain(|command| !reads(command));
+    }
+
     /// Forgets repetitions that have not begun.
     pub fn forget_repeats(&mut self, target: &Target, action: &str) {
         let meant = |command: &BusCommand| matches!(command, BusCommand::Repeat { target: at, action: known, .. } if at == target && known == action);

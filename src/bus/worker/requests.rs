@@ -10,8 +10,8 @@ use super::super::target::{Patience, Target};
 use super::super::watch::{Poll, Watch, plan_of};
 use super::Worker;
 use crate::module::{
-    Definition, Identified, ReadPlan, ReadRun, Value, WriteError, identify, moves_to, present_options, run_action,
-    write_item,
+    Ask as _, Definition, Identified, ReadPlan, ReadRun, Value, WriteError, identify, moves_to, present_options,
+    run_action, write_item,
 };
 use crate::protocol::Failure;
 
@@ -30,6 +30,8 @@ pub struct Reading {
     poll: bool,
     /// The module has answered.
     heard: bool,
+    /// When it fell silent, if it has not answered since.
+    silent_since: Option<Instant>,
     /// How often it went back to what is certain since that was made so; then every answer is made certain by itself.
     went_back: u8,
     careful: bool,
@@ -38,6 +40,25 @@ pub struct Reading {
 /// On a slow line a reading takes seconds: what it has brought is made certain earlier, so that less is lost where an answer
 /// too many comes, and a recording has it in time.
 const CERTAIN_AFTER: Duration = Duration::from_millis(300);
+
+/// What a module said to a write, unless it is not certain that it was said to this one.
+fn made_certain<T>(outcome: Result<T, WriteError>, id: &str, speaker: &mut Speaker<'_>) -> Result<T, WriteError> {
+    if !matches!(outcome, Ok(_) | Err(WriteError::Differs { .. } | WriteError::Refused { .. })) {
+        return outcome;
+    }
+    match (speaker.certain(), outcome) {
+        (Ok(()), outcome) => outcome,
+        (Err(failure), Err(WriteError::Refused { .. })) => {
+            let read_back = "nothing: it is not certain what was refused".to_owned();
+            Err(WriteError::Unknown { id: id.to_owned(), failure, read_back })
+        }
+        (Err(failure), _) => Err(WriteError::NotVerified { id: id.to_owned(), failure }),
+    }
+}
+
+/// A module that falls silent in the middle of a reading does not hold up the others for longer: answers that are late hold
+/// back those behind them, but not for so long.
+const GONE_AFTER: Duration = Duration::from_secs(5);
 
 fn not_offered(id: &str, target: Target) -> WriteError {
     WriteError::NotOffered { id: id.to_owned(), protocol: target.protocol }
@@ -84,8 +105,8 @@ impl Worker {
     fn act(&mut self, id: RequestId, target: Target, definition: &Arc<Definition>, action: String) {
         let result = self.change(target, definition, &action, |speaker| {
             let known = definition.action(&action).ok_or_else(|| not_offered(&action, target))?;
-            run_action(known, target.protocol, target.address, speaker)?;
-            speaker.verify().map_err(|failure| WriteError::NotVerified { id: action.clone(), failure })
+            let outcome = run_action(known, target.protocol, target.address, speaker);
+            made_certain(outcome, &action, speaker)
         });
         let at = self.timestamp();
         self.tell(BusEvent::Acted { id, target, action, at, result });
@@ -129,6 +150,9 @@ impl Worker {
         if !self.identified.contains(&known) {
             self.identified.retain(|(at, _)| *at != target);
             self.options.remove(&target);
+            if let Ok(dialogue) = self.dialogue() {
+                dialogue.believe_name(&target);
+            }
         }
         if identified.definition.is_some() {
             self.identified.insert(known);
@@ -146,12 +170,7 @@ impl Worker {
         let result = self.change(target, definition, item, |speaker| {
             let outcome = write_item(definition, target.protocol, target.address, known, value, speaker);
             // Who has moved is not there any more to be asked.
-            let says_something = matches!(outcome, Ok(_) | Err(WriteError::Differs { .. }));
-            if says_something && moves_to(known, value).is_none() {
-                let unverified = |failure| WriteError::NotVerified { id: item.to_owned(), failure };
-                speaker.verify().map_err(unverified)?;
-            }
-            outcome
+            if moves_to(known, value).is_some() { outcome } else { made_certain(outcome, item, speaker) }
         });
         if let (Ok(_), Some(address)) = (&result, moves_to(known, value)) {
             self.follow(target, Target { address, ..target }, &definition.id);
@@ -182,6 +201,7 @@ impl Worker {
         id: &str,
         change: impl FnOnce(&mut Speaker<'_>) -> Result<T, WriteError>,
     ) -> Result<T, WriteError> {
+        self.secure_reading(&target);
         if !self.identified.contains(&(target, definition.id.clone())) {
             let unread = |failure| WriteError::ReadFirst { id: id.to_owned(), failure };
             let found = self.identify(target).map_err(unread)?;
@@ -218,7 +238,7 @@ impl Worker {
             let mut speaker = dialogue.with(target, patience);
             let present = present_options(definition, target.protocol, &mut speaker)?;
             // They are believed for as long as the line is open.
-            speaker.verify().map(|()| present)
+            speaker.certain().map(|()| present)
         });
         match asked {
             Ok(present) => {
@@ -260,17 +280,28 @@ impl Worker {
         }
         let (run, since) = (plan.begin(target.address), self.line_time());
         let certain = (plan.clone(), run.clone());
-        let (heard, went_back, careful) = (false, 0, false);
-        self.reading =
-            Some(Reading { id, target, plan, run, certain, since, patience, poll, heard, went_back, careful });
+        self.reading = Some(Reading {
+            id,
+            target,
+            plan,
+            run,
+            certain,
+            since,
+            patience,
+            poll,
+            heard: false,
+            silent_since: None,
+            went_back: 0,
+            careful: false,
+        });
     }
 
     /// Asks the next question of the read under way, and tells its result when it was the last.
     pub(super) fn read_on(&mut self) {
         let Some(mut reading) = self.reading.take() else { return };
         let Reading { target, plan, run, patience, .. } = &mut reading;
-        let at = self.timestamp();
-        let more = match self.dialogue() {
+        let (at, asked_at) = (self.timestamp(), self.line_time());
+        let mut more = match self.dialogue() {
             Ok(dialogue) => plan.step(run, target.address, &mut dialogue.with(*target, *patience)),
             Err(failure) => {
                 run.fail(&failure, at);
@@ -278,6 +309,10 @@ impl Worker {
             }
         };
         reading.heard |= reading.run.is_answered();
+        if more && self.is_silent_for_long(&mut reading, asked_at) {
+            reading.run.fail(&Failure::Silent, self.timestamp());
+            more = false;
+        }
         let uncertain_for = self.line_time().saturating_duration_since(reading.since);
         if more && !reading.careful && uncertain_for < CERTAIN_AFTER {
             self.reading = Some(reading);
@@ -293,12 +328,36 @@ impl Worker {
         }
     }
 
+    /// Whether the module has been silent for as long as one that is gone; its last question was asked at `asked_at`.
+    fn is_silent_for_long(&mut self, reading: &mut Reading, asked_at: Instant) -> bool {
+        if !reading.run.is_silent() {
+            reading.silent_since = None;
+            return false;
+        }
+        let since = *reading.silent_since.get_or_insert(asked_at);
+        self.line_time().saturating_duration_since(since) >= GONE_AFTER
+    }
+
     /// Nothing is told before it is certain which answer belongs to which question.
     fn verify(&mut self, reading: &Reading) -> Result<(), Failure> {
         match self.dialogue() {
             Ok(dialogue) if reading.run.is_answered() => dialogue.verify(&reading.target, reading.patience),
             _ => Ok(()),
         }
+    }
+
+    /// Before something else is asked of the module of the reading under way: what has come so far is made certain, or forgotten,
+    /// as doubts are not told apart by who has them.
+    fn secure_reading(&mut self, target: &Target) {
+        let Some(mut reading) = self.reading.take_if(|reading| reading.target == *target) else { return };
+        match self.verify(&reading) {
+            Ok(()) => self.note_certain(&mut reading),
+            Err(_) => {
+                (reading.plan, reading.run) = reading.certain.clone();
+                reading.careful = true;
+            }
+        }
+        self.reading = Some(reading);
     }
 
     /// Asks again what has come since it was last certain whose the answers were, or does without it.
@@ -370,6 +429,12 @@ impl Worker {
             _ => self.watches.polled(id, &target, plan, false, now),
         }
         self.tell(BusEvent::Read { id, target, at, values });
+    }
+
+    /// The line is to be closed, or another one to be opened: what is only read of this one is not waited for.
+    pub(super) fn abandon_reads(&mut self) {
+        self.reading = None;
+        self.queue.forget_reads();
     }
 
     pub(super) fn unwatch(&mut self, target: &Target) {

@@ -23,8 +23,16 @@ pub fn of_module(target: &Target, station: &Station, test: Option<&Consistency>,
         found.push(Finding::by_chance(severity, Symptom::Noise, station.noisy, all, now, evidence));
     }
     found.extend(refusals(station, now));
-    found.extend(test.and_then(of_test));
-    of_place(target, found)
+    of_place(target, tested(found, test))
+}
+
+/// With what the test has shown, which answers the question that changing errors leave open.
+fn tested(mut found: Vec<Finding>, test: Option<&Consistency>) -> Vec<Finding> {
+    if let Some(finding) = test.and_then(of_test) {
+        found.retain(|other| other.symptom != Symptom::ChangingErrors);
+        found.push(finding);
+    }
+    found
 }
 
 fn of_place(target: &Target, found: Vec<Finding>) -> Vec<Finding> {
@@ -36,9 +44,8 @@ fn of_place(target: &Target, found: Vec<Finding>) -> Vec<Finding> {
 pub fn of_unread(target: &Target, station: &Station, test: Option<&Consistency>) -> Vec<Finding> {
     let what = station.main_failure().map_or("not readable", FailureKind::label);
     let evidence = format!("{} came back, and none can be read: {what}", answers(station.broken()));
-    let mut found = vec![Finding::new(Severity::Fault, symptom_of_unread(station), evidence)];
-    found.extend(test.and_then(of_test));
-    of_place(target, found)
+    let found = vec![Finding::new(Severity::Fault, symptom_of_unread(station), evidence)];
+    of_place(target, tested(found, test))
 }
 
 /// What the broken answers of a place point to that never gave a good one: that of which most came.

@@ -18,34 +18,47 @@ pub fn menu(ui: &mut Ui, pass: &mut Pass<'_>) {
         let room = ui.ctx().content_rect().size() - vec2(4.0 * theme::GAP, 4.0 * theme::GAP + theme::TAB_HEIGHT);
         let area = ScrollArea::both().max_width(room.x).max_height(room.y);
         // A popup offers less height than there is.
-        area.min_scrolled_width(room.x).min_scrolled_height(room.y).show(ui, |ui| columns(ui, pass));
+        let beside = (room.x / (theme::COMMANDS_WIDTH + theme::GAP)).floor() as usize;
+        area.min_scrolled_width(room.x).min_scrolled_height(room.y).show(ui, |ui| columns(ui, pass, beside));
     });
     menu.on_hover_text("All commands with their keys, and how the window looks");
 }
 
-/// Three columns, because fewer would be higher than a small window.
-fn columns(ui: &mut Ui, pass: &mut Pass<'_>) {
-    ui.with_layout(Layout::left_to_right(egui::Align::Min), |ui| {
-        column(ui, |ui| {
-            group(ui, pass, "Line", commands::LINE);
-            ui.add_space(theme::GAP);
-            group(ui, pass, "Recording", commands::RECORDING);
-            ui.add_space(theme::GAP);
-            group(ui, pass, "Program and help", commands::PROGRAM);
+type Column = fn(&mut Ui, &mut Pass<'_>);
+/// Three, because fewer would be higher than a small window.
+const COLUMNS: [Column; 3] = [line_and_program, module_and_patience, tabs_and_looks];
+
+/// As many columns `beside` each other as have room, the rest below them.
+fn columns(ui: &mut Ui, pass: &mut Pass<'_>, beside: usize) {
+    for row in COLUMNS.chunks(beside.max(1)) {
+        ui.with_layout(Layout::left_to_right(egui::Align::Min), |ui| {
+            for contents in row {
+                column(ui, |ui| contents(ui, pass));
+                ui.add_space(theme::GAP);
+            }
         });
         ui.add_space(theme::GAP);
-        column(ui, |ui| {
-            group(ui, pass, "Module in view", commands::MODULE);
-            ui.add_space(theme::GAP);
-            patience(ui, pass);
-        });
-        ui.add_space(theme::GAP);
-        column(ui, |ui| {
-            group(ui, pass, "Tabs", commands::TABS);
-            ui.add_space(theme::GAP);
-            looks(ui, pass);
-        });
-    });
+    }
+}
+
+fn line_and_program(ui: &mut Ui, pass: &mut Pass<'_>) {
+    group(ui, pass, "Line", commands::LINE);
+    ui.add_space(theme::GAP);
+    group(ui, pass, "Recording", commands::RECORDING);
+    ui.add_space(theme::GAP);
+    group(ui, pass, "Program and help", commands::PROGRAM);
+}
+
+fn module_and_patience(ui: &mut Ui, pass: &mut Pass<'_>) {
+    group(ui, pass, "Module in view", commands::MODULE);
+    ui.add_space(theme::GAP);
+    patience(ui, pass);
+}
+
+fn tabs_and_looks(ui: &mut Ui, pass: &mut Pass<'_>) {
+    group(ui, pass, "Tabs", commands::TABS);
+    ui.add_space(theme::GAP);
+    looks(ui, pass);
 }
 
 fn column(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
