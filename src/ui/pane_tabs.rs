@@ -117,6 +117,10 @@ impl Behavior<Pane> for Tabs<'_, '_> {
                 self.wishes.push(Wish::Window(pane));
             }
         }
+        // The tabs need the room more: the menu offers these too.
+        if ui.available_width() < theme::TABS_AND_BUTTONS {
+            return;
+        }
         let offered = [
             (Pane::Traffic, "Traffic", "Every frame of the line, explained"),
             (Pane::Trends, "Trends", "Plots of everything that is polled"),

@@ -36,6 +36,9 @@ pub enum Pane {
     Module(Target),
 }
 
+/// Scrolling a bar of tabs shows or hides the arrows at its ends, which changes the room once more.
+const SETTLES_IN: u8 = 4;
+
 /// Where the panes are, as it is kept between starts.
 #[derive(Serialize, Deserialize)]
 struct Layout {
@@ -60,6 +63,8 @@ pub struct Panes {
     in_front: Option<Pane>,
     /// The tabs in front in the last frame, and how large the window was.
     shown: (Vec<TileId>, Vec2),
+    /// Frames until the bars of tabs have settled after that changed.
+    settling: u8,
 }
 
 /// What the tabs ask for while they are drawn.
@@ -85,6 +90,7 @@ impl Default for Panes {
             to_front: None,
             in_front: None,
             shown: Default::default(),
+            settling: 0,
         }
     }
 }
@@ -316,7 +322,7 @@ impl Panes {
         let in_tree = self.in_order().into_iter().filter(|pane| !self.windows.contains(pane));
         let (alone, others): (Vec<Pane>, Vec<Pane>) = in_tree.partition(|pane| self.stands_alone(*pane));
         let shared = !others.is_empty();
-        let came_to_front = self.came_to_front(ui.ctx().content_rect().size());
+        let came_to_front = self.came_to_front(ui.ctx());
         let Self { tree, views, active, .. } = self;
         let mut tabs =
             Tabs { pass, dialogs, views, active, wishes: &mut wishes, focus_moved_to, alone, shared, came_to_front };
@@ -342,11 +348,19 @@ impl Panes {
         ctx.read_response(id).map(|response| response.rect)
     }
 
-    /// The tabs that were not in front in the last frame, or all in a window that has another size now.
-    fn came_to_front(&mut self, window: Vec2) -> Vec<TileId> {
-        let tabs = self.tree.active_tiles();
-        let (before, size) = std::mem::replace(&mut self.shown, (tabs.clone(), window));
-        tabs.into_iter().filter(|tab| size != window || !before.contains(tab)).collect()
+    /// The tabs in front, while they may not be in view: others are, or the window has another size.
+    fn came_to_front(&mut self, ctx: &egui::Context) -> Vec<TileId> {
+        let now = (self.tree.active_tiles(), ctx.content_rect().size());
+        if self.shown != now {
+            self.settling = SETTLES_IN;
+            self.shown.clone_from(&now);
+        }
+        if self.settling == 0 {
+            return Vec::new();
+        }
+        self.settling = self.settling.saturating_sub(1);
+        ctx.request_repaint();
+        now.0
     }
 
     /// The active pane is always one that can be seen.

@@ -3,7 +3,7 @@
 use dcon_bench::sim::Pace;
 use dcon_bench::ui::App;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Rect, Vec2, vec2};
+use eframe::egui::{Key, Modifiers, Rect, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
@@ -13,7 +13,7 @@ use crate::harness::*;
 const ROOMS: [Vec2; 4] = [vec2(1024.0, 700.0), vec2(683.0, 467.0), vec2(512.0, 350.0), vec2(341.0, 233.0)];
 
 fn window_of_size(size: Vec2) -> Window {
-    let start = start(&sim(&[], Pace::Skip), false, simulated());
+    let start = start(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip), false, simulated());
     Harness::builder().with_size(size).build_eframe(move |creation| {
         let ctx = creation.egui_ctx.clone();
         App::new(&ctx, bench(&ctx), start).recording_in(Some("recordings".into()))
@@ -52,5 +52,44 @@ fn a_form_can_be_left_in_half_of_a_small_window() {
     for size in &ROOMS[..3] {
         let told = "Record by itself when the first module is polled";
         open_and_leave(*size, ["Recording", "Recording settings…", told, "Cancel"]);
+    }
+}
+
+#[test]
+fn the_help_is_read_page_by_page_where_its_contents_have_no_room_beside() {
+    let size = ROOMS[2];
+    let mut window = window_of_size(size);
+    press(&mut window, Modifiers::NONE, Key::F1);
+    until(&mut window, "the page alone", |window| {
+        shows(window, "Copy page") && window.query_by_role_and_label(Role::ListItem, "Troubleshooting").is_none()
+    });
+    click(&mut window, Role::Button, "Contents");
+    reach(&mut window, Role::ListItem, "Troubleshooting", size);
+    until(&mut window, "the page that was chosen", |window| shows(window, "›  Troubleshooting"));
+    assert!(window.query_by_role_and_label(Role::ListItem, "Quick start").is_none());
+}
+
+#[test]
+fn everything_can_be_opened_in_a_window_of_any_size() {
+    for size in ROOMS {
+        let mut window = window_of_size(size);
+        press(&mut window, Modifiers::COMMAND, Key::R);
+        until(&mut window, "the scan ends", scan_ended);
+        let module = "PIR-234, address 1";
+        reach(&mut window, Role::ListItem, module, size);
+        let pages = window.query_all_by_role(Role::Tab).count();
+        assert!(pages >= 7, "{pages} pages at {size}");
+        for _ in 0..pages {
+            press(&mut window, Modifiers::COMMAND, Key::PageDown);
+            (0..3).for_each(|_| window.step());
+        }
+        let panes = [(Key::G, Modifiers::COMMAND), (Key::T, Modifiers::COMMAND), (Key::F1, Modifiers::NONE)];
+        let diagnosis = (Key::D, Modifiers::COMMAND | Modifiers::SHIFT);
+        for (key, modifiers) in panes.into_iter().chain([diagnosis]) {
+            press(&mut window, modifiers, key);
+            (0..3).for_each(|_| window.step());
+        }
+        let tabs = ["Trends", "Traffic", "Help", "Diagnosis"];
+        assert!(tabs.iter().all(|tab| window.query_by_role_and_label(Role::Button, tab).is_some()), "at {size}");
     }
 }

@@ -51,6 +51,8 @@ pub struct HelpView {
     to_search: bool,
     /// What is shown is to come into view in the contents.
     reveal: bool,
+    /// The contents are shown instead of the page, where only one has room.
+    in_contents: bool,
     article: ArticleView,
 }
 
@@ -59,6 +61,7 @@ impl HelpView {
     pub fn ask(&mut self, topic: Option<String>, module: Option<Target>) {
         self.module = module.or(self.module);
         self.to_search = topic.is_none();
+        self.in_contents = self.to_search;
         self.reveal = true;
         if let Some(article) = topic {
             self.sought.clear();
@@ -87,13 +90,23 @@ impl HelpView {
     pub fn show(&mut self, ui: &mut Ui, pass: &mut Pass<'_>, wishes: &mut Vec<Wish>) {
         self.keep_library(ui, pass);
         let Some(library) = self.library.take() else { return };
-        let frame = theme::beside_frame();
-        let panel = Panel::left("help contents").frame(frame).resizable(true).default_size(theme::HELP_LIST);
-        let chosen = panel.size_range(theme::HELP_LIST_RANGE).show(ui, |ui| self.list(ui, &library)).inner;
+        let both = ui.available_width() >= theme::HELP_BESIDE;
+        let chosen = match (both, self.in_contents) {
+            (true, _) => {
+                let frame = theme::beside_frame();
+                let panel = Panel::left("help contents").frame(frame).resizable(true).default_size(theme::HELP_LIST);
+                panel.size_range(theme::HELP_LIST_RANGE).show(ui, |ui| self.list(ui, &library)).inner
+            }
+            (false, true) => self.list(ui, &library),
+            (false, false) => None,
+        };
+        if both || !self.in_contents {
+            theme::behind_list_frame().show(ui, |ui| self.page(ui, &library, pass, wishes, both));
+        }
         if let Some(place) = chosen {
+            self.in_contents = false;
             self.go(place);
         }
-        theme::behind_list_frame().show(ui, |ui| self.page(ui, &library, pass, wishes));
         self.library = Some(library);
     }
 
@@ -126,11 +139,15 @@ impl HelpView {
         }
     }
 
-    fn page(&mut self, ui: &mut Ui, library: &Library, pass: &mut Pass<'_>, wishes: &mut Vec<Wish>) {
+    /// The article, `beside` the contents or instead of them.
+    fn page(&mut self, ui: &mut Ui, library: &Library, pass: &mut Pass<'_>, wishes: &mut Vec<Wish>, beside: bool) {
         let id = self.place.as_ref().map_or(FIRST, |place| place.article.as_str());
         let Some(article) = library.article(id).or_else(|| library.article(FIRST)) else { return };
         let mut back = false;
         ui.horizontal(|ui| {
+            if !beside && ui.button("Contents").on_hover_text("All pages, and what to search in them").clicked() {
+                (self.in_contents, self.reveal) = (true, true);
+            }
             let button = ui.add_enabled(!self.before.is_empty(), Button::new("Back"));
             let button = button.on_hover_text("To the page that was shown before");
             back = button.on_disabled_hover_text("This is the first page that you opened").clicked();

@@ -29,7 +29,7 @@ mod watchdog;
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{ScrollArea, Ui};
+use eframe::egui::{Align, Layout, ScrollArea, Ui, vec2};
 
 pub use edits_bar::WRITE_ALL;
 pub use series::{Family, Freshness, Series, series_of};
@@ -73,13 +73,24 @@ impl ModuleView {
         if module.definition().is_none() {
             return unknown::show(ui, module, pass, dialogs);
         }
+        if ui.available_height() >= theme::MODULE_LOW {
+            return self.known(ui, module, pass);
+        }
+        ScrollArea::vertical().id_salt("low").auto_shrink(false).show(ui, |ui| {
+            let size = vec2(ui.available_width(), theme::MODULE_LOW);
+            ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| self.known(ui, module, pass));
+        });
+    }
+
+    /// A module of a known model.
+    fn known(&mut self, ui: &mut Ui, module: &Module, pass: &mut Pass<'_>) {
         let asks = self.shown.as_ref().map(|(_, tab)| tabs::to_read(module, tab)).unwrap_or_default();
         identity::show(ui, module, pass, &mut self.header, asks);
         ui.add_space(theme::UNIT);
         let tab = tabs::show(ui, module, pass.settings);
         self.read_what_it_shows(&tab, module, pass);
         ui.add_space(theme::GAP);
-        let room = ui.available_height() - edits_bar::HEIGHT - theme::UNIT;
+        let room = (ui.available_height() - edits_bar::HEIGHT - theme::UNIT).max(0.0);
         ui.scope(|ui| {
             ui.set_height(room);
             if ui.available_width() >= theme::MODULE_LEAST {

@@ -46,6 +46,10 @@ pub const WINDOW_OWN: [f32; 2] = [1000.0, 700.0];
 pub const PANE_LEAST: f32 = 80.0 * UNIT;
 /// A module in a narrower pane is scrolled sideways.
 pub const MODULE_LEAST: f32 = 170.0 * UNIT;
+/// A module in a lower pane is scrolled as a whole.
+pub const MODULE_LOW: f32 = 90.0 * UNIT;
+/// A bar of tabs that is narrower has no buttons beside them.
+pub const TABS_AND_BUTTONS: f32 = 120.0 * UNIT;
 pub const TAB_HEIGHT: f32 = 7.0 * UNIT;
 pub const QUESTION_WIDTH: f32 = 110.0 * UNIT;
 /// Less than a small screen has at twice the size; what does not fit is scrolled.
@@ -345,6 +349,8 @@ pub const COUNT_SHORT: f32 = 20.0 * UNIT;
 /// The help: its list with one line for an article and three for a place that was found, and the width of its text.
 pub const HELP_LIST: f32 = 56.0 * UNIT;
 pub const HELP_LIST_RANGE: std::ops::RangeInclusive<f32> = 40.0 * UNIT..=100.0 * UNIT;
+/// Less has no room for both the list and what it rules.
+pub const HELP_BESIDE: f32 = 120.0 * UNIT;
 pub const HELP_ROW: f32 = 5.5 * UNIT;
 pub const HELP_HIT: f32 = 14.0 * UNIT;
 pub const HELP_TEXT: f32 = 165.0 * UNIT;
