@@ -329,6 +329,20 @@ fn watch_prints_a_line_for_each_set_of_readings() {
 }
 
 #[test]
+fn a_refused_write_is_explained_by_what_the_definition_knows_of_it() {
+    let output = bench(&demo("set --address 1 do0=on"));
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("do0 was refused") && said.contains("unless its trigger source is command"), "{said}");
+}
+
+#[test]
+fn the_first_set_that_watch_prints_has_the_modules_optional_parts_too() {
+    let set: Value = serde_json::from_str(&good(&demo("watch --address 160 --count 1 --json"))).unwrap();
+    assert!(set["temperature_c"].is_number(), "{set}");
+}
+
+#[test]
 fn actions_are_carried_out() {
     assert_eq!(good(&demo("action --address 1 clear_high_latch:humidity")), "clear_high_latch:humidity: done\n");
     let sent = good(&demo("action --address 0xA3 --protocol dcon host_ok"));

@@ -99,6 +99,8 @@ impl Dialogue {
         match (self.doubts(target), target.protocol) {
             (Doubts::Spoiled, _) => {}
             (Doubts::Open(shapes), _) if shapes.is_empty() => {}
+            // Others may have been asked at another speed meanwhile.
+            (Doubts::Open(_), _) if self.configure(target.settings)? => {}
             (Doubts::Open(shapes), Protocol::ModbusRtu) => {
                 self.ask_otherwise(target, &shapes, window, Alone::Required)?;
             }
@@ -121,9 +123,14 @@ impl Dialogue {
     /// # Errors
     /// If it is not.
     pub fn greet(&mut self, target: &Target, window: Duration) -> Result<(), Failure> {
-        match target.protocol {
-            Protocol::Dcon => self.ask_for_known_name(target, window, Alone::Waived),
-            _ => Ok(()),
+        if target.protocol != Protocol::Dcon {
+            return Ok(());
+        }
+        let changed = self.configure(target.settings)?;
+        match self.ask_for_known_name(target, window, Alone::Waived) {
+            // Some adapters lose what follows a change of speed.
+            Err(Failure::Silent) if changed => self.ask_for_known_name(target, window, Alone::Waived),
+            outcome => outcome,
         }
     }
 
@@ -205,11 +212,7 @@ impl Dialogue {
             if self.names.len() >= MOST_NAMES {
                 self.names.clear();
             }
-            let name = self.names.entry(*target).or_insert_with(|| Name::new(answer));
-            name.hear(answer);
-            if target.checksum {
-                name.believe();
-            }
+            self.names.entry(*target).or_insert_with(|| Name::new(answer)).hear(answer);
         }
     }
 }

@@ -86,10 +86,17 @@ pub fn some_definition(catalogue: &Catalogue, check: impl Fn(&Definition) -> Res
     reason.map_or(Ok(()), |refusal| Err(refusal.into()))
 }
 
+/// So many names are still read where the one that was meant is told already.
+const MOST_LISTED: usize = 20;
+
 fn unknown(what: &str, name: &str, known: &[String]) -> String {
     let nearest = nearest(name, known);
     let hint = if nearest.is_empty() { String::new() } else { format!(" – did you mean {}?", nearest.join(" or ")) };
-    format!("there is no {what} \"{name}\" here{hint}\nThere are: {}", known.join(", "))
+    let all = match hint.is_empty() || known.len() <= MOST_LISTED {
+        true => format!("\nThere are: {}", known.join(", ")),
+        false => String::new(),
+    };
+    format!("there is no {what} \"{name}\" here{hint}{all}")
 }
 
 /// The known names that are most like `name`, at most three.

@@ -69,6 +69,8 @@ fn change(module: &mut Module, item: &Item, value: &Value, old: &Values) -> Outc
     let taken = result.is_ok();
     match &result {
         Ok(new) => output::line(&report(item, old, new))?,
+        // The definition knows what a module refuses.
+        Err(error @ WriteError::Refused { .. }) => output::error(&format!("{error}\n{}: {}", item.label, item.help)),
         Err(error) => output::error(&error.to_string()),
     }
     if let Some(address) = moves_to(item, value) {

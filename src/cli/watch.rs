@@ -53,6 +53,10 @@ pub fn run(args: &WatchArgs) -> Outcome {
     if definition.live_items(target.protocol).next().is_none() {
         return Err(Stop::failed(format!("{} has no readings over {}", definition.label, target.protocol.label())));
     }
+    if !definition.optional.is_empty() {
+        // Now it is known which optional parts there are, so that the first set lacks none.
+        module.session.read(target, &definition, ItemSet::Live)?;
+    }
     let mut printer = Printer::new(definition.clone(), args.json);
     let watch = |id| BusCommand::Watch { id, target, definition, items: ItemSet::Live, interval };
     let id = module.session.send(watch)?;

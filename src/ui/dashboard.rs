@@ -32,6 +32,8 @@ enum Wish {
     Do(Action),
 }
 
+const NOT_POLLED: &str = "Nothing is polled – poll all, or click a module to open and poll it";
+
 impl Dashboard {
     pub fn show(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
         if pass.bench.modules().is_empty() {
@@ -44,10 +46,9 @@ impl Dashboard {
         let count = Count::of(pass.bench.modules());
         let mut wishes = Vec::new();
         toolbar(ui, pass, &table, &count, &mut wishes);
-        let hint = if count.polled == 0 {
-            "Nothing is polled – poll all, or click a module to open and poll it"
-        } else {
-            ""
+        let hint = match count.polled {
+            0 => pass.bench.line().obstacle().unwrap_or(NOT_POLLED),
+            _ => "",
         };
         quiet_line(ui, hint);
         let room = (ui.available_height() - theme::CONTROL_HEIGHT - theme::UNIT).max(theme::TABLE_ROW * 3.0);

@@ -290,3 +290,31 @@ fn over_dcon_one_command_brings_the_channels_that_it_has_and_each_other_channel_
     // As in its manual's example, #AA brings three channels; the dew points are asked for by themselves.
     assert_eq!(asked, ["@01DI\r", "@01RAO\r", "~010\r", "#01\r", "#013\r", "#014\r"]);
 }
+
+#[test]
+fn a_silent_module_is_asked_at_its_own_speed_and_heard_again() {
+    let specs = ["pir-234@1:dcon:9600", "pir-234@2:dcon:115200"];
+    let line = Line::open(&specs);
+    let targets = specs.map(target);
+    for target in targets {
+        // Once it has answered it is known by its name.
+        line.read(target, &line.definition("pir-234"), "name").expect("a name");
+        watch(&line, target, Duration::from_millis(500));
+    }
+    line.sim.set_dead(2, true);
+    let mut polled = Vec::new();
+    let mut silent_questions = 0;
+    line.until(|event| {
+        if let BusEvent::Traffic(frame) = event
+            && frame.address == Some(2)
+        {
+            assert_eq!(frame.settings, targets[1].settings, "{frame:?}");
+            silent_questions += u32::from(frame.direction == Direction::Sent);
+        }
+        polled.extend(poll(event));
+        (count(&polled, |poll| poll.address == 2 && !poll.answered) >= 5).then_some(())
+    });
+    assert!(silent_questions >= 5);
+    line.sim.set_dead(2, false);
+    line.until(|event| poll(event).filter(|poll| poll.address == 2 && poll.answered).map(|_| ()));
+}

@@ -52,6 +52,10 @@ fn the_table_shows_what_the_modules_have() {
     assert!(shows(&window, "Nothing is polled"));
     assert!(is(&window, PIR_234, "State", "found"));
     assert!(is(&window, PIR_234, "Temperature", "–"));
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::L);
+    until(&mut window, "the reason why nothing is polled", |window| shows(window, "No line is open: scan"));
+    press(&mut window, Modifiers::COMMAND, Key::R);
+    until(&mut window, "the scan ends", scan_ended);
     click(&mut window, Role::Button, "Poll all");
     until(&mut window, "temperature", |window| is(window, PIR_234, "Temperature", "21.50 °C"));
     until(&mut window, "humidity", |window| is(window, PIR_234, "Relative humidity", "40.25 %"));

@@ -150,7 +150,10 @@ impl Worker {
         if !self.identified.contains(&known) {
             self.identified.retain(|(at, _)| *at != target);
             self.options.remove(&target);
-            if let Ok(dialogue) = self.dialogue() {
+            // A damaged name is that of no model.
+            if identified.definition.is_some()
+                && let Ok(dialogue) = self.dialogue()
+            {
                 dialogue.believe_name(&target);
             }
         }
