@@ -1,5 +1,7 @@
 //! The wire as the transaction sees it: bytes out, bytes in, and the clock they are timed by.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
@@ -40,6 +42,9 @@ impl LineLost {
 pub trait Line: Send {
     /// Changes speed and format in place; bytes received before are dropped.
     fn configure(&mut self, settings: LineSettings) -> Result<(), LineLost>;
+
+    /// From now on nobody waits for a port that takes no bytes while `hurry` is set.
+    fn hurry_by(&mut self, _hurry: Arc<AtomicBool>) {}
 
     /// Hands `bytes` over and returns without waiting for the last bit.
     fn send(&mut self, bytes: &[u8]) -> Result<(), LineLost>;

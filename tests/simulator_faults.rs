@@ -1,5 +1,7 @@
 //! Faults of the simulated line: each can be seen, is counted, ends, and never makes a right frame that nobody sent.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use dcon_bench::bus::line::{Line, LineLost};
@@ -196,6 +198,16 @@ fn a_blocked_write_gives_up_after_two_seconds_of_the_line() {
     let start = line.now();
     assert!(line.send(b"$A3M\r").unwrap_err().reason.contains("takes no bytes"));
     assert!(line.now() - start >= Duration::from_secs(2));
+}
+
+#[test]
+fn nobody_in_a_hurry_waits_for_a_blocked_write() {
+    let (sim, mut line) = world(Pace::Real);
+    with(&sim, &["blocked_write"]);
+    line.hurry_by(Arc::new(AtomicBool::new(true)));
+    let start = line.now();
+    assert!(line.send(b"$A3M\r").unwrap_err().reason.contains("takes no bytes"));
+    assert!(line.now() - start < Duration::from_secs(1));
 }
 
 #[test]

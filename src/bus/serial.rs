@@ -4,6 +4,8 @@
 mod windows;
 
 use std::io::{self, Read, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, SerialPortType, StopBits};
@@ -15,6 +17,8 @@ use crate::protocol::{DataFormat, LineSettings};
 
 /// A port that takes no bytes for so long has gone.
 const WRITE_LIMIT: Duration = Duration::from_secs(2);
+/// How long it is waited until it is looked whether somebody is in a hurry.
+const WRITE_SLICE: Duration = Duration::from_millis(100);
 
 /// The serial ports that are there now, USB adapters first.
 pub fn ports() -> Vec<PortInfo> {
@@ -127,6 +131,7 @@ fn raise_lines(port: &mut dyn SerialPort) {
 /// An open serial port.
 pub struct SerialLine {
     port: Box<dyn SerialPort>,
+    hurry: Arc<AtomicBool>,
 }
 
 impl SerialLine {
@@ -139,7 +144,7 @@ impl SerialLine {
             .open()
             .map_err(|error| problem(&name, &error))?;
         raise_lines(&mut *port);
-        Ok(Self { port })
+        Ok(Self { port, hurry: Arc::default() })
     }
 
     /// Reads what has arrived, or arrives within `left`. `None` if nothing did, or the system let go of the wait.
@@ -181,9 +186,29 @@ impl Line for SerialLine {
         Ok(())
     }
 
+    fn hurry_by(&mut self, hurry: Arc<AtomicBool>) {
+        self.hurry = hurry;
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LineLost> {
-        self.port.set_timeout(WRITE_LIMIT).map_err(failed)?;
-        self.port.write_all(bytes).map_err(|error| lost(&error))
+        self.port.set_timeout(WRITE_SLICE).map_err(failed)?;
+        let (mut rest, began) = (bytes, Instant::now());
+        while !rest.is_empty() {
+            let taken = match self.port.write(rest) {
+                Ok(count) => count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => 0,
+                // An error of the system that counts as a timeout is more than that.
+                Err(error) if error.kind() == io::ErrorKind::TimedOut && error.raw_os_error().is_none() => 0,
+                Err(error) => return Err(lost(&error)),
+            };
+            rest = rest.get(taken..).unwrap_or_default();
+            let waited = began.elapsed();
+            let given_up = waited >= WRITE_LIMIT || (waited >= WRITE_SLICE && self.hurry.load(Ordering::Relaxed));
+            if taken == 0 && given_up {
+                return Err(LineLost::new("the port takes no bytes"));
+            }
+        }
+        Ok(())
     }
 
     #[cfg(not(windows))]
@@ -232,5 +257,27 @@ impl Line for SerialLine {
 
     fn wait_until(&mut self, instant: Instant) {
         sleep_until(instant);
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use rustix::pty::OpenptFlags;
+
+    #[test]
+    fn a_port_that_takes_no_bytes_is_given_up_and_at_once_by_somebody_in_a_hurry() {
+        let master = rustix::pty::openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        rustix::pty::grantpt(&master).unwrap();
+        rustix::pty::unlockpt(&master).unwrap();
+        let name = rustix::pty::ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+        let mut line = SerialLine::open(&name, LineSettings::default()).unwrap();
+        // The system keeps some bytes for a reader that does not read.
+        while line.send(b"#").is_ok() {}
+        line.hurry_by(Arc::new(AtomicBool::new(true)));
+        let start = line.now();
+        assert_eq!(line.send(b"#"), Err(LineLost::new("the port takes no bytes")));
+        let took = line.now() - start;
+        assert!((WRITE_SLICE..WRITE_LIMIT).contains(&took), "{took:?}");
     }
 }

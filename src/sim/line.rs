@@ -1,6 +1,8 @@
 //! One adapter on the simulated line, with the time that bytes take on the wire.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use jiff::{SignedDuration, Timestamp};
@@ -34,12 +36,15 @@ pub struct SimLine {
     incoming: VecDeque<(Instant, u8)>,
     /// When the last bit of what was sent has left.
     sent: Instant,
+    /// Set while nobody waits for a port that takes no bytes.
+    hurry: Arc<AtomicBool>,
 }
 
 impl SimLine {
     pub(super) fn new(sim: Sim, name: &'static str) -> Self {
         let sent = sim.world().now();
-        Self { sim, name, settings: LineSettings::default(), incoming: VecDeque::new(), sent }
+        let (incoming, hurry) = (VecDeque::new(), Arc::default());
+        Self { sim, name, settings: LineSettings::default(), incoming, sent, hurry }
     }
 
     /// Fails if the adapter is gone, which counts as one failed call.
@@ -67,7 +72,7 @@ impl SimLine {
             if !blocked(&self.sim) {
                 return self.check_plug();
             }
-            if over {
+            if over || self.hurry.load(Ordering::Relaxed) {
                 return Err(LineLost::new("the port takes no bytes"));
             }
         }
@@ -151,6 +156,10 @@ impl SimLine {
 }
 
 impl Line for SimLine {
+    fn hurry_by(&mut self, hurry: Arc<AtomicBool>) {
+        self.hurry = hurry;
+    }
+
     fn configure(&mut self, settings: LineSettings) -> Result<(), LineLost> {
         self.purge()?;
         self.settings = settings;

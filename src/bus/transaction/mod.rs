@@ -191,6 +191,7 @@ impl Wire {
 
     /// Waits for late answers end while `hurry` is set.
     pub fn hurry_by(&mut self, hurry: Arc<AtomicBool>) {
+        self.line.hurry_by(hurry.clone());
         self.hurry = hurry;
     }
 
