@@ -18,6 +18,8 @@ use crate::module::Ask;
 use crate::protocol::{Failure, Protocol, Query, dcon};
 
 const INIT_ADDRESS: u8 = 0;
+/// After so many answers that may have been earlier ones it is waited until none can come any more.
+const MOST_ROUNDS: usize = 8;
 /// Names remembered; more modules are not on one line.
 const MOST_NAMES: usize = 1024;
 
@@ -33,7 +35,7 @@ impl Dialogue {
             Link::Tcp(_) => return Ok(()),
         };
         match target.protocol {
-            Protocol::ModbusRtu if !owed.is_empty() => self.ask_otherwise(target, &owed, window, Alone::Waived),
+            Protocol::ModbusRtu if !owed.is_empty() => self.ask_otherwise_until_paid(target, shape, window),
             Protocol::Dcon => {
                 let mut asked: Vec<(u8, bool)> = owed.into_iter().filter_map(Shape::dcon_module).collect();
                 asked.dedup();
@@ -49,6 +51,19 @@ impl Dialogue {
             }
             _ => Ok(()),
         }
+    }
+
+    /// As [`Self::ask_until_paid`], for a Modbus module: an answer by another function may be that to an earlier such question.
+    fn ask_otherwise_until_paid(&mut self, target: &Target, shape: Shape, window: Duration) -> Result<(), Failure> {
+        for _ in 0..MOST_ROUNDS {
+            let Link::Wire(wire) = &self.link else { return Ok(()) };
+            let owed = wire.owed(shape);
+            if owed.is_empty() {
+                return Ok(());
+            }
+            self.ask_otherwise(target, &owed, window, Alone::Waived)?;
+        }
+        Ok(())
     }
 
     /// Asks another module until it shows that no late answer of it will come, or until none can come any more: the line is

@@ -228,6 +228,28 @@ fn an_answer_that_comes_just_before_the_question_that_makes_certain_is_the_one_t
 }
 
 #[test]
+fn a_modbus_module_is_asked_otherwise_until_nothing_is_owed() {
+    let (value, coil) = (answer(3), modbus::with_crc(&[1, 1, 1, 0]));
+    let prompt = |bytes: &[u8]| vec![(20, bytes.to_vec())];
+    let script = [vec![], vec![], prompt(&coil), prompt(&coil), prompt(&value)];
+    let script: Vec<Vec<(u64, &[u8])>> =
+        script.iter().map(|answers| answers.iter().map(|(ms, bytes)| (*ms, bytes.as_slice())).collect()).collect();
+    let script: Vec<&[(u64, &[u8])]> = script.iter().map(Vec::as_slice).collect();
+    let (mut wire, sent) = wire(&script);
+    // The coil's answer may be that to the first question, after which the second one is still open.
+    let read_coil = modbus::with_crc(&[1, 1, 0, 0, 0, 1]);
+    assert_eq!(wire.exchange(&read_coil, &Expected::Rtu { address: 1 }, WINDOW), Err(Failure::Silent));
+    assert_eq!(ask(&mut wire), Err(Failure::Silent));
+    let target =
+        Target { address: 1, protocol: Protocol::ModbusRtu, settings: LineSettings::default(), checksum: false };
+    let mut dialogue = Dialogue::on_wire(wire).unwrap();
+    let mut speaker = dialogue.with(target, Patience::CONVERSATION);
+    assert_eq!(speaker.ask(&Query::ReadHoldingRegisters { first: 0, count: 1 }), Ok(Reply::Words(vec![3])));
+    let sent = sent.lock().unwrap();
+    assert!(sent[4] - sent[2] < Duration::from_millis(500), "nothing is waited for: {:?}", sent[4] - sent[2]);
+}
+
+#[test]
 fn a_second_stop_bit_hides_no_late_answer_and_another_speed_does() {
     let usual = LineSettings::default();
     let slower = LineSettings { baud_rate: BaudRate::new(1_200).unwrap(), ..usual };
