@@ -6,17 +6,20 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, Rect, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use tempfile::TempDir;
 
 use crate::harness::*;
 
 /// A window of 1024 by 700 at 100, 150, 200 and 300 per cent.
 const ROOMS: [Vec2; 4] = [vec2(1024.0, 700.0), vec2(683.0, 467.0), vec2(512.0, 350.0), vec2(341.0, 233.0)];
 
-fn window_of_size(size: Vec2) -> Window {
+/// A window that records into `folder`.
+fn window_of_size(size: Vec2, folder: &TempDir) -> Window {
+    let folder = folder.path().to_owned();
     let start = start(&sim(&["pir-234@1:modbus_rtu:9600"], Pace::Skip), false, simulated());
     Harness::builder().with_size(size).build_eframe(move |creation| {
         let ctx = creation.egui_ctx.clone();
-        App::new(&ctx, bench(&ctx), start).recording_in(Some("recordings".into()))
+        App::new(&ctx, bench(&ctx), start).recording_in(Some(folder))
     })
 }
 
@@ -32,7 +35,8 @@ fn reach(window: &mut Window, role: Role, label: &str, size: Vec2) {
 
 /// Opens something with an entry of a menu, and leaves it with its button.
 fn open_and_leave(size: Vec2, [menu, entry, contents, leave]: [&str; 4]) {
-    let mut window = window_of_size(size);
+    let folder = TempDir::new().unwrap();
+    let mut window = window_of_size(size, &folder);
     reach(&mut window, Role::Button, menu, size);
     reach(&mut window, Role::MenuItem, entry, size);
     until(&mut window, entry, |window| shows(window, contents));
@@ -58,7 +62,8 @@ fn a_form_can_be_left_in_half_of_a_small_window() {
 #[test]
 fn the_help_is_read_page_by_page_where_its_contents_have_no_room_beside() {
     let size = ROOMS[2];
-    let mut window = window_of_size(size);
+    let folder = TempDir::new().unwrap();
+    let mut window = window_of_size(size, &folder);
     press(&mut window, Modifiers::NONE, Key::F1);
     until(&mut window, "the page alone", |window| {
         shows(window, "Copy page") && window.query_by_role_and_label(Role::ListItem, "Troubleshooting").is_none()
@@ -72,7 +77,8 @@ fn the_help_is_read_page_by_page_where_its_contents_have_no_room_beside() {
 #[test]
 fn everything_can_be_opened_in_a_window_of_any_size() {
     for size in ROOMS {
-        let mut window = window_of_size(size);
+        let folder = TempDir::new().unwrap();
+        let mut window = window_of_size(size, &folder);
         press(&mut window, Modifiers::COMMAND, Key::R);
         until(&mut window, "the scan ends", scan_ended);
         let module = "PIR-234, address 1";
