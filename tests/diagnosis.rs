@@ -36,6 +36,13 @@ fn the_report_is_one_object_for_programs() {
 }
 
 #[test]
+fn a_port_that_takes_no_bytes_is_the_reason_why_it_ended_early() {
+    let output = bench(&demo("diagnose --address 1 --fault blocked_write"));
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("the port takes no bytes"), "{}", text(&output.stdout));
+}
+
+#[test]
 fn an_address_where_nobody_is_ends_with_1_and_the_next_step() {
     let output = bench(&demo("diagnose --address 77 --reads 5"));
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));

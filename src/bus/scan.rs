@@ -233,13 +233,10 @@ impl Scan {
 
     /// The second stop bit of N82 is a pause to a receiver of N81, so a module found with the one answers to the other.
     fn is_known(&self, target: &Target) -> bool {
-        let without_parity = |format| matches!(format, DataFormat::N81 | DataFormat::N82);
-        self.found.iter().any(|found| {
-            let twin = LineSettings { data_format: target.settings.data_format, ..found.settings };
-            without_parity(found.settings.data_format)
-                && without_parity(target.settings.data_format)
-                && Target { settings: twin, ..*found } == *target
-        })
+        let answers = |found: &Target| {
+            found.settings.is_read_at(target.settings) && Target { settings: target.settings, ..*found } == *target
+        };
+        self.found.iter().any(answers)
     }
 
     fn go_on(&mut self, target: &Target) -> ScanStep {

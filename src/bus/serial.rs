@@ -95,7 +95,7 @@ fn lost(error: &io::Error) -> LineLost {
     }
     match error.kind() {
         io::ErrorKind::BrokenPipe | io::ErrorKind::NotFound => LineLost::new("it was unplugged"),
-        io::ErrorKind::TimedOut | io::ErrorKind::WriteZero => LineLost::new("the port takes no bytes"),
+        io::ErrorKind::TimedOut => LineLost::new("the port takes no bytes"),
         _ => LineLost::new(error),
     }
 }

@@ -64,11 +64,11 @@ impl Heard {
     pub fn of(frame: &Frame, request: Option<&[u8]>) -> Self {
         let (_, bytes) = without_echo(frame, request);
         let answer = next(&bytes, frame.protocol, frame.checksum);
-        let unechoed = if bytes.len() == frame.bytes.len() { request.unwrap_or_default() } else { &[] };
+        let unechoed = request.filter(|request| bytes.len() == frame.bytes.len() && !is_its_own_answer(frame, request));
         Self {
             answer: answer.map(|(answer, _)| answer.to_vec()),
             begun: begun(frame, request),
-            unechoed: unechoed.to_vec(),
+            unechoed: unechoed.unwrap_or_default().to_vec(),
         }
     }
 
@@ -111,12 +111,17 @@ fn without_echo<'a>(frame: &'a Frame, request: Option<&[u8]>) -> (usize, Cow<'a,
     match bytes.strip_prefix(request) {
         Some(rest) if frame.echo => (0, rest.into()),
         // Where a late answer comes first, the echo stands behind it.
-        _ if frame.noise && !frame.echo => match position(bytes, request) {
+        _ if frame.noise && !frame.echo && !is_its_own_answer(frame, request) => match position(bytes, request) {
             Some(at) => (at, cut_out(bytes, at, request.len()).into()),
             None => (0, bytes.into()),
         },
         _ => (0, bytes.into()),
     }
+}
+
+/// The answer to a Modbus write of one value, or to a loopback test, equals its request.
+fn is_its_own_answer(frame: &Frame, request: &[u8]) -> bool {
+    frame.protocol == Protocol::ModbusRtu && matches!(request.get(1), Some(0x05 | 0x06 | 0x08))
 }
 
 fn position(bytes: &[u8], part: &[u8]) -> Option<usize> {

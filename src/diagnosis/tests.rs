@@ -56,7 +56,11 @@ impl Played {
     }
 
     fn sent(&mut self, target: Target) {
-        let frame = self.frame(target, Direction::Sent, &request(target.address), Verdict::Request);
+        self.sent_as(target, &request(target.address));
+    }
+
+    fn sent_as(&mut self, target: Target, request: &[u8]) {
+        let frame = self.frame(target, Direction::Sent, request, Verdict::Request);
         self.diagnosis.take(&frame);
     }
 
@@ -242,6 +246,26 @@ fn a_second_copy_in_two_pieces_is_one() {
         line.unasked(at(1), &answer[1..]);
     }
     assert_eq!(line.symptoms(), [Symptom::Twice]);
+}
+
+#[test]
+fn the_answer_to_a_write_that_comes_twice_is_not_taken_for_an_echo() {
+    let write = modbus::with_crc(&[1, 6, 0, 9, 0, 7]);
+    let both = write.repeat(2);
+    let mut line = Played::default();
+    for _ in 0..10 {
+        for (bytes, behind) in [(&write, &write[..]), (&both, &[])] {
+            line.sent_as(at(1), &write);
+            let mut frame = line.frame(at(1), Direction::Received, bytes, Verdict::Answer);
+            frame.noise = behind.is_empty();
+            line.diagnosis.take(&frame);
+            if !behind.is_empty() {
+                line.unasked(at(1), behind);
+            }
+        }
+    }
+    assert_eq!(line.symptoms(), [Symptom::Twice]);
+    assert!(line.found(Symptom::Twice).evidence.starts_with("20 answers"), "{:?}", line.found(Symptom::Twice));
 }
 
 #[test]

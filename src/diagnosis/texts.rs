@@ -198,7 +198,7 @@ impl Symptom {
                 "Answers broken in changing ways",
                 "Two modules at one address, or noise on the line",
                 "Test the consistency (in the Diagnosis tab, or `dcon-bench diagnose` with --address): it reads the same many \
-                 times and tells the two apart; then switch off one module after the other",
+                 times, which often tells the two apart; then switch off one module after the other",
             ),
             Self::SameErrors => (
                 "Answers broken in the same way each time",

@@ -21,8 +21,7 @@ const SILENCES_ALLOWED: u8 = 2;
 
 /// Questions in a row to which a module is silent that has answered before in the same run, until it is taken for gone.
 /// One answer that is late by 1.5 s holds back those behind it, and so two or three questions with their repeats; where a
-/// fifth of all answers are late, a second and a third late one among these are common. Whoever asks may
-/// lose patience earlier.
+/// fifth of all answers are late, a second and a third late one among these are common. Whoever asks may lose patience earlier.
 const SILENCES_SHOW_ABSENCE: u8 = 8;
 
 /// What became of one item that was asked for.

@@ -210,6 +210,13 @@ impl LineSettings {
         Duration::from_nanos(bits.saturating_mul(1_000_000_000) / u64::from(self.baud_rate.bps()))
     }
 
+    /// Whether what is sent with these can be read with `others`: a second stop bit is a pause to who expects one.
+    pub fn is_read_at(self, others: Self) -> bool {
+        let without_parity = |format| matches!(format, DataFormat::N81 | DataFormat::N82);
+        let alike = without_parity(self.data_format) && without_parity(others.data_format);
+        self.baud_rate == others.baud_rate && (alike || self.data_format == others.data_format)
+    }
+
     /// The pause that separates two Modbus RTU frames: 3.5 characters, but 1.75 ms above 19200 bps
     /// (Modbus over serial line 1.02, 2.5.1.1).
     pub fn frame_silence(self) -> Duration {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::shape::Shape;
 use crate::bus::judge::{self, Content, Expected, Verdict};
 use crate::bus::name::{asks_for_name, is_name};
-use crate::protocol::{DataFormat, LineSettings, dcon};
+use crate::protocol::{LineSettings, dcon};
 
 /// An answer does not come later than this after it was given up, be it through a busy adapter, a hub, a virtual
 /// machine or a converter on a network.
@@ -34,14 +34,6 @@ struct Debt {
 }
 
 impl Debt {
-    /// A second stop bit is a pause to who expects one.
-    fn is_readable_at(&self, settings: LineSettings) -> bool {
-        let without_parity = |format| matches!(format, DataFormat::N81 | DataFormat::N82);
-        let (mine, other) = (self.settings.data_format, settings.data_format);
-        let alike = mine == other || (without_parity(mine) && without_parity(other));
-        self.settings.baud_rate == settings.baud_rate && alike
-    }
-
     /// The answer, if it is known beforehand.
     fn known_answer(&self) -> Option<&Vec<u8>> {
         match &self.expected {
@@ -91,8 +83,7 @@ impl Debts {
             let fits = fits && (!named || asks_for_name(&debt.request));
             !debt.paid && debt.shape.asks_whom(shape) && fits
         };
-        let now_readable = self.settings;
-        let first = self.all.iter().position(|debt| debt.is_readable_at(now_readable) && owed(debt));
+        let first = self.all.iter().position(|debt| debt.settings.is_read_at(self.settings) && owed(debt));
         let Some(first) = first else { return self.paid_up_to(shape) };
         self.pay_up_to(first);
         self.note(shape, request, expected, now);
@@ -169,14 +160,14 @@ impl Debts {
     /// What is owed and would be accepted as the answer to `shape`.
     fn open(&self, shape: Shape, now: Instant) -> impl Iterator<Item = &Debt> {
         self.all.iter().filter(move |debt| {
-            debt.until > now && debt.is_readable_at(self.settings) && debt.shape.could_answer(shape)
+            debt.until > now && debt.settings.is_read_at(self.settings) && debt.shape.could_answer(shape)
         })
     }
 
     /// A question that cannot be mistaken was answered: everything that was asked of this module before is over.
     fn paid_up_to(&mut self, shape: Shape) {
         let settings = self.settings;
-        self.all.retain(|debt| !debt.shape.asks_whom(shape) || !debt.is_readable_at(settings));
+        self.all.retain(|debt| !debt.shape.asks_whom(shape) || !debt.settings.is_read_at(settings));
     }
 
     /// The debt at `last` is paid, and with it everything that was asked of the same module before.
@@ -184,7 +175,7 @@ impl Debts {
         let Some(shape) = self.all.get(last).map(|debt| debt.shape) else { return };
         let (settings, mut index) = (self.settings, 0usize);
         self.all.retain(|debt| {
-            let over = index <= last && debt.shape.asks_whom(shape) && debt.is_readable_at(settings);
+            let over = index <= last && debt.shape.asks_whom(shape) && debt.settings.is_read_at(settings);
             index = index.saturating_add(1);
             !over
         });

@@ -41,6 +41,18 @@ pub struct Reading {
 /// too many comes, and a recording has it in time.
 const CERTAIN_AFTER: Duration = Duration::from_millis(300);
 
+/// A module that falls silent in the middle of a reading does not hold up the others for longer: answers that are late hold
+/// back those behind them, but not for so long.
+const GONE_AFTER: Duration = Duration::from_secs(5);
+
+impl Reading {
+    /// Forgets what has come since it was last certain whose the answers were.
+    fn forget_uncertain(&mut self) {
+        (self.plan, self.run) = self.certain.clone();
+        self.careful = true;
+    }
+}
+
 /// What a module said to a write, unless it is not certain that it was said to this one.
 fn made_certain<T>(outcome: Result<T, WriteError>, id: &str, speaker: &mut Speaker<'_>) -> Result<T, WriteError> {
     if !matches!(outcome, Ok(_) | Err(WriteError::Differs { .. } | WriteError::Refused { .. })) {
@@ -55,10 +67,6 @@ fn made_certain<T>(outcome: Result<T, WriteError>, id: &str, speaker: &mut Speak
         (Err(failure), _) => Err(WriteError::NotVerified { id: id.to_owned(), failure }),
     }
 }
-
-/// A module that falls silent in the middle of a reading does not hold up the others for longer: answers that are late hold
-/// back those behind them, but not for so long.
-const GONE_AFTER: Duration = Duration::from_secs(5);
 
 fn not_offered(id: &str, target: Target) -> WriteError {
     WriteError::NotOffered { id: id.to_owned(), protocol: target.protocol }
@@ -355,20 +363,16 @@ impl Worker {
         let Some(mut reading) = self.reading.take_if(|reading| reading.target == *target) else { return };
         match self.verify(&reading) {
             Ok(()) => self.note_certain(&mut reading),
-            Err(_) => {
-                (reading.plan, reading.run) = reading.certain.clone();
-                reading.careful = true;
-            }
+            Err(_) => reading.forget_uncertain(),
         }
         self.reading = Some(reading);
     }
 
     /// Asks again what has come since it was last certain whose the answers were, or does without it.
     fn go_back(&mut self, mut reading: Reading, failure: Failure) {
-        (reading.plan, reading.run) = reading.certain.clone();
+        reading.forget_uncertain();
         if failure.is_garbage() && reading.went_back < reading.patience.after_garbage {
             reading.went_back = reading.went_back.saturating_add(1);
-            reading.careful = true;
             self.reading = Some(reading);
         } else {
             reading.run.fail(&failure, self.timestamp());

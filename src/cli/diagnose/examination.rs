@@ -150,9 +150,16 @@ impl Examination {
                     _ => None,
                 },
             )?;
-            if let Some(Ok(identified)) = result {
-                self.note_name(target, &identified);
-                return Ok(Some(target));
+            match result {
+                Some(Ok(identified)) => {
+                    self.note_name(target, &identified);
+                    return Ok(Some(target));
+                }
+                Some(Err(Failure::LineLost(reason))) => {
+                    self.lose(&reason);
+                    return Ok(None);
+                }
+                _ => {}
             }
             // Somebody is there who cannot be read: the test tells more.
             if self.diagnosis.station(&target).is_some() {
